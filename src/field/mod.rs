@@ -1,0 +1,5 @@
+//! Scalar fields and the one strict total order in which their vertices are compared.
+
+mod order;
+
+pub use order::{FieldError, VertexId, VertexOrder, check_finite};

@@ -1,0 +1,332 @@
+//! The explicit simplicial complex: points, top simplices, edges, triangles and the incidence that everything needs.
+
+use crate::field::VertexId;
+
+/// An edge of a complex.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct EdgeId(pub u32);
+
+/// A triangle of a complex.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TriangleId(pub u32);
+
+/// Why lists of points and simplices are not a simplicial complex.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// The dimension is not 1, 2 or 3.
+    #[error("simplices of dimension {found}; expected 1, 2 or 3")]
+    Dimension {
+        /// The dimension asked for.
+        found: usize,
+    },
+    /// The list of vertices is no multiple of the vertices of one simplex.
+    #[error("{found} vertex numbers; expected a multiple of {stride}")]
+    Stride {
+        /// Length of the list.
+        found: usize,
+        /// Vertices of one simplex.
+        stride: usize,
+    },
+    /// A simplex names a vertex that does not exist.
+    #[error("simplex {simplex} names vertex {vertex}; expected less than {vertices}")]
+    VertexOutOfRange {
+        /// The simplex, in the order given.
+        simplex: usize,
+        /// The vertex that it names.
+        vertex: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// A simplex names a vertex twice.
+    #[error("simplex {simplex} names vertex {vertex} twice")]
+    RepeatedVertex {
+        /// The simplex, in the order given.
+        simplex: usize,
+        /// The vertex named twice.
+        vertex: u32,
+    },
+    /// Two simplices have the same vertices.
+    #[error("simplices {first} and {second} have the same vertices")]
+    DuplicateSimplex {
+        /// The first of the two.
+        first: usize,
+        /// The second of the two.
+        second: usize,
+    },
+}
+
+/// A pure simplicial complex of dimension 1, 2 or 3, with boundary, any number of components and any genus.
+///
+/// Top simplices keep the order and orientation in which they were given. Edges and triangles are listed once each, by
+/// rising vertices, in lexicographic order. Non-manifold edges and vertices are allowed.
+#[derive(Debug, Clone)]
+pub struct SimplicialComplex {
+    dimension: usize,
+    points: Vec<[f64; 3]>,
+    /// Top simplices, `dimension + 1` vertices each.
+    simplices: Vec<u32>,
+    edges: Vec<[VertexId; 2]>,
+    /// Empty for dimension 1. For dimension 2 they are the top simplices again, sorted.
+    triangles: Vec<[VertexId; 3]>,
+    neighbour_offsets: Vec<u32>,
+    neighbours: Vec<VertexId>,
+    incident_edges: Vec<EdgeId>,
+    star_offsets: Vec<u32>,
+    /// Top simplices at each vertex.
+    star: Vec<u32>,
+}
+
+impl SimplicialComplex {
+    /// Builds a complex and its incidence.
+    ///
+    /// # Arguments
+    /// * `dimension`: 1, 2 or 3.
+    /// * `points`: `n x 3` positions, in the units of the file.
+    /// * `simplices`: `m x (dimension + 1)` vertex numbers, flat. Vertices of no simplex are allowed; they have no
+    ///   neighbours.
+    ///
+    /// # Errors
+    /// [`MeshError`] names the first simplex that is out of range, degenerate or given twice.
+    ///
+    /// # Cost
+    /// O(m log m); about 100 bytes a vertex in 2-D.
+    pub fn new(dimension: usize, points: Vec<[f64; 3]>, simplices: Vec<u32>) -> Result<Self, MeshError> {
+        if !(1..=3).contains(&dimension) {
+            return Err(MeshError::Dimension { found: dimension });
+        }
+        let stride = dimension + 1;
+        if simplices.len() % stride != 0 {
+            return Err(MeshError::Stride { found: simplices.len(), stride });
+        }
+        check_simplices(points.len(), stride, &simplices)?;
+        let edges = faces::<2>(stride, &simplices);
+        let triangles = if dimension == 1 { Vec::new() } else { faces::<3>(stride, &simplices) };
+        let (neighbour_offsets, neighbours, incident_edges) = adjacency(points.len(), &edges);
+        let (star_offsets, star) = vertex_star(points.len(), stride, &simplices);
+        Ok(Self {
+            dimension,
+            points,
+            simplices,
+            edges,
+            triangles,
+            neighbour_offsets,
+            neighbours,
+            incident_edges,
+            star_offsets,
+            star,
+        })
+    }
+
+    /// 1, 2 or 3.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Number of top simplices.
+    pub fn simplex_count(&self) -> usize {
+        self.simplices.len() / (self.dimension + 1)
+    }
+
+    /// Positions, one a vertex.
+    pub fn points(&self) -> &[[f64; 3]] {
+        &self.points
+    }
+
+    /// Position of a vertex.
+    pub fn point(&self, vertex: VertexId) -> [f64; 3] {
+        self.points[vertex.index()]
+    }
+
+    /// The vertices of top simplex `simplex`, `dimension + 1` numbers, oriented as given.
+    pub fn simplex(&self, simplex: usize) -> &[u32] {
+        let stride = self.dimension + 1;
+        &self.simplices[simplex * stride..(simplex + 1) * stride]
+    }
+
+    /// All top simplices, flat, `dimension + 1` numbers each.
+    pub fn simplices(&self) -> &[u32] {
+        &self.simplices
+    }
+
+    /// Edges by rising vertices, sorted; [`EdgeId`] is the place in this list.
+    pub fn edges(&self) -> &[[VertexId; 2]] {
+        &self.edges
+    }
+
+    /// Triangles by rising vertices, sorted; [`TriangleId`] is the place in this list. Empty for dimension 1.
+    pub fn triangles(&self) -> &[[VertexId; 3]] {
+        &self.triangles
+    }
+
+    /// Vertices that share an edge with `vertex`, by rising index.
+    pub fn neighbours(&self, vertex: VertexId) -> &[VertexId] {
+        &self.neighbours[self.neighbour_range(vertex)]
+    }
+
+    /// Edges at `vertex`, in the order of [`Self::neighbours`].
+    pub fn incident_edges(&self, vertex: VertexId) -> &[EdgeId] {
+        &self.incident_edges[self.neighbour_range(vertex)]
+    }
+
+    /// Top simplices at `vertex`, by rising number.
+    pub fn star(&self, vertex: VertexId) -> &[u32] {
+        &self.star[self.star_offsets[vertex.index()] as usize..self.star_offsets[vertex.index() + 1] as usize]
+    }
+
+    /// The edge between two vertices, if there is one.
+    pub fn edge(&self, a: VertexId, b: VertexId) -> Option<EdgeId> {
+        let range = self.neighbour_range(a);
+        let position = self.neighbours[range.clone()].binary_search(&b).ok()?;
+        Some(self.incident_edges[range.start + position])
+    }
+
+    /// The triangle on three vertices in any order, if there is one. O(log m).
+    pub fn triangle(&self, mut vertices: [VertexId; 3]) -> Option<TriangleId> {
+        vertices.sort_unstable();
+        self.triangles.binary_search(&vertices).ok().map(|position| TriangleId(position as u32))
+    }
+
+    /// Component of every vertex, numbered by the lowest vertex of each, and the number of components.
+    pub fn components(&self) -> (Vec<u32>, usize) {
+        const UNSEEN: u32 = u32::MAX;
+        let mut component = vec![UNSEEN; self.vertex_count()];
+        let mut count = 0;
+        let mut stack = Vec::new();
+        for seed in 0..self.vertex_count() {
+            if component[seed] != UNSEEN {
+                continue;
+            }
+            component[seed] = count;
+            stack.push(VertexId::from(seed));
+            while let Some(vertex) = stack.pop() {
+                for &neighbour in self.neighbours(vertex) {
+                    if component[neighbour.index()] == UNSEEN {
+                        component[neighbour.index()] = count;
+                        stack.push(neighbour);
+                    }
+                }
+            }
+            count += 1;
+        }
+        (component, count as usize)
+    }
+
+    /// Diagonal of the axis-parallel bounding box, in the units of the points; 0 without points.
+    pub fn bounding_box_diagonal(&self) -> f64 {
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for point in &self.points {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(point[axis]);
+                high[axis] = high[axis].max(point[axis]);
+            }
+        }
+        if self.points.is_empty() {
+            return 0.0;
+        }
+        (0..3).map(|axis| (high[axis] - low[axis]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    fn neighbour_range(&self, vertex: VertexId) -> std::ops::Range<usize> {
+        self.neighbour_offsets[vertex.index()] as usize..self.neighbour_offsets[vertex.index() + 1] as usize
+    }
+}
+
+fn check_simplices(vertices: usize, stride: usize, simplices: &[u32]) -> Result<(), MeshError> {
+    for (simplex, corners) in simplices.chunks_exact(stride).enumerate() {
+        for (position, &vertex) in corners.iter().enumerate() {
+            if vertex as usize >= vertices {
+                return Err(MeshError::VertexOutOfRange { simplex, vertex, vertices });
+            }
+            if corners[..position].contains(&vertex) {
+                return Err(MeshError::RepeatedVertex { simplex, vertex });
+            }
+        }
+    }
+    let mut keyed: Vec<([u32; 4], usize)> = simplices
+        .chunks_exact(stride)
+        .enumerate()
+        .map(|(simplex, corners)| {
+            let mut key = [u32::MAX; 4];
+            key[..stride].copy_from_slice(corners);
+            key.sort_unstable();
+            (key, simplex)
+        })
+        .collect();
+    keyed.sort_unstable();
+    match keyed.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        Some(pair) => Err(MeshError::DuplicateSimplex { first: pair[0].1, second: pair[1].1 }),
+        None => Ok(()),
+    }
+}
+
+/// All faces with `N` vertices, each once, by rising vertices, sorted.
+fn faces<const N: usize>(stride: usize, simplices: &[u32]) -> Vec<[VertexId; N]> {
+    let mut faces = Vec::new();
+    for corners in simplices.chunks_exact(stride) {
+        for subset in 0u32..1 << stride {
+            if subset.count_ones() as usize != N {
+                continue;
+            }
+            let mut face = [VertexId(0); N];
+            let members = (0..stride).filter(|corner| subset >> corner & 1 == 1);
+            for (slot, corner) in face.iter_mut().zip(members) {
+                *slot = VertexId(corners[corner]);
+            }
+            face.sort_unstable();
+            faces.push(face);
+        }
+    }
+    faces.sort_unstable();
+    faces.dedup();
+    faces
+}
+
+fn adjacency(vertices: usize, edges: &[[VertexId; 2]]) -> (Vec<u32>, Vec<VertexId>, Vec<EdgeId>) {
+    let mut offsets = vec![0u32; vertices + 1];
+    for edge in edges {
+        for vertex in edge {
+            offsets[vertex.index() + 1] += 1;
+        }
+    }
+    for vertex in 0..vertices {
+        offsets[vertex + 1] += offsets[vertex];
+    }
+    let mut next = offsets.clone();
+    let mut neighbours = vec![VertexId(0); edges.len() * 2];
+    let mut incident = vec![EdgeId(0); edges.len() * 2];
+    // Edges are sorted, so a first pass that adds lower neighbours and a second that adds upper ones leave every list sorted.
+    for (from, to) in [(1, 0), (0, 1)] {
+        for (id, edge) in edges.iter().enumerate() {
+            let slot = &mut next[edge[from].index()];
+            neighbours[*slot as usize] = edge[to];
+            incident[*slot as usize] = EdgeId(id as u32);
+            *slot += 1;
+        }
+    }
+    (offsets, neighbours, incident)
+}
+
+fn vertex_star(vertices: usize, stride: usize, simplices: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let mut offsets = vec![0u32; vertices + 1];
+    for &vertex in simplices {
+        offsets[vertex as usize + 1] += 1;
+    }
+    for vertex in 0..vertices {
+        offsets[vertex + 1] += offsets[vertex];
+    }
+    let mut next = offsets.clone();
+    let mut star = vec![0u32; simplices.len()];
+    for (position, &vertex) in simplices.iter().enumerate() {
+        let slot = &mut next[vertex as usize];
+        star[*slot as usize] = (position / stride) as u32;
+        *slot += 1;
+    }
+    (offsets, star)
+}
