@@ -15,6 +15,14 @@ pub enum ExtremumKind {
 }
 
 impl ExtremumKind {
+    /// `minimum` or `maximum`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Minimum => "minimum",
+            Self::Maximum => "maximum",
+        }
+    }
+
     /// The order in which extrema of this kind are minima: the given one, or the given one turned upside down.
     pub fn descending(self, order: &VertexOrder) -> std::borrow::Cow<'_, VertexOrder> {
         match self {
