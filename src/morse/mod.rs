@@ -1,10 +1,20 @@
 //! Discrete Morse theory of a vertex order: extremum pairs, the discrete gradient and what they decide.
+//!
+//! Minima are read from the gradient of `h`, maxima from the gradient of `-h` with reversed ties. Either gives critical
+//! vertices and vertex–edge separatrices, and so also the extrema on the boundary of the domain.
 
+mod curve;
 mod error;
+mod extremum_graph;
+mod forest;
 mod gradient;
 mod lower_star;
 mod pairs;
+mod selection;
 
+pub use curve::{PersistenceCurve, PersistenceGap};
 pub use error::MorseError;
+pub use extremum_graph::{Cancellation, ExtremumGraph, Saddle};
 pub use gradient::{Cell, DiscreteGradient, Pairing, discrete_gradient};
 pub use pairs::{ExtremumKind, ExtremumPair, extremum_pairs};
+pub use selection::{Selection, Threshold, WantedExtrema, range, reported_persistences, select};

@@ -5,6 +5,8 @@ use rayon::prelude::*;
 use crate::field::{VertexId, VertexOrder};
 use crate::mesh::SimplicialComplex;
 
+use super::forest::Forest;
+
 /// The two kinds of extrema.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ExtremumKind {
@@ -191,26 +193,4 @@ fn basin_borders<I: Iterator<Item = VertexId>>(
                 .any(|neighbour| order.is_below(neighbour, vertex) && basins[neighbour.index()] != own)
         })
         .collect()
-}
-
-/// Disjoint sets in which the caller chooses the root; path halving.
-struct Forest(Vec<u32>);
-
-impl Forest {
-    fn new(len: usize) -> Self {
-        Self((0..len as u32).collect())
-    }
-
-    fn root(&mut self, mut member: u32) -> u32 {
-        while self.0[member as usize] != member {
-            let grandparent = self.0[self.0[member as usize] as usize];
-            self.0[member as usize] = grandparent;
-            member = grandparent;
-        }
-        member
-    }
-
-    fn attach(&mut self, root: u32, elder: u32) {
-        self.0[root as usize] = elder;
-    }
 }
