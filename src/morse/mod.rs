@@ -3,6 +3,7 @@
 //! Minima are read from the gradient of `h`, maxima from the gradient of `-h` with reversed ties. Either gives critical
 //! vertices and vertex–edge separatrices, and so also the extrema on the boundary of the domain.
 
+mod complex;
 mod curve;
 mod error;
 mod extremum_graph;
@@ -11,10 +12,15 @@ mod gradient;
 mod lower_star;
 mod pairs;
 mod selection;
+mod skeleton;
+mod v_paths;
 
+pub use complex::MorseComplex;
 pub use curve::{PersistenceCurve, PersistenceGap};
 pub use error::MorseError;
 pub use extremum_graph::{Cancellation, ExtremumGraph, Saddle};
 pub use gradient::{Cell, DiscreteGradient, Pairing, discrete_gradient};
 pub use pairs::{ExtremumKind, ExtremumPair, extremum_pairs};
 pub use selection::{Selection, Threshold, WantedExtrema, range, reported_persistences, select};
+pub use skeleton::{Separatrices, separatrices};
+pub use v_paths::Separatrix;

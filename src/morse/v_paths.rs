@@ -1,0 +1,205 @@
+//! V-paths from one critical cell down to the critical cells one dimension below.
+
+use std::collections::HashMap;
+
+use crate::field::VertexId;
+use crate::mesh::SimplicialComplex;
+
+use super::gradient::{Cell, DiscreteGradient, Pairing};
+
+/// Up to this number, V-paths between the same two critical cells become separatrices of their own. On a manifold no more
+/// than two lead to a critical vertex from an edge, or to a critical facet from a top cell; only the connections
+/// between saddles of a 3-dimensional field can be more, and then as many as grow exponentially with the size.
+pub(super) const LISTED: u64 = 2;
+
+/// V-paths between two critical cells.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Separatrix {
+    /// Number of V-paths that this separatrix stands for (saturating). 1, unless more than two join the two cells.
+    pub multiplicity: u64,
+    /// The cells of the V-path, both ends included, dimension k and k-1 in turn. If the separatrix stands for several,
+    /// every cell on any of them, each once, a cell before those that follow it.
+    pub cells: Vec<Cell>,
+}
+
+/// The facets of a cell.
+pub(super) fn facets(complex: &SimplicialComplex, cell: Cell) -> impl Iterator<Item = Cell> {
+    let index = cell.index as usize;
+    let mut facets = [None; 4];
+    match cell.dimension {
+        0 => {}
+        1 => {
+            let [a, b] = complex.edges()[index];
+            facets[..2].copy_from_slice(&[Some(Cell::vertex(a)), Some(Cell::vertex(b))]);
+        }
+        2 => {
+            let [a, b, c] = complex.triangles()[index];
+            for (slot, [from, to]) in facets.iter_mut().zip([[a, b], [a, c], [b, c]]) {
+                *slot = complex.edge(from, to).map(Cell::edge);
+            }
+        }
+        _ => {
+            let corners = complex.simplex(index);
+            for (slot, [a, b, c]) in facets.iter_mut().zip([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]) {
+                let corners = [corners[a], corners[b], corners[c]].map(VertexId);
+                *slot = complex.triangle(corners).map(Cell::triangle);
+            }
+        }
+    }
+    facets.into_iter().flatten()
+}
+
+/// All V-paths that start in one critical cell: an acyclic graph of cells of its dimension.
+struct Descent {
+    /// Cells of dimension k, a cell before those that follow it.
+    cells: Vec<Cell>,
+    /// For each of them the places of the cells before it, with the facet between.
+    before: Vec<Vec<(usize, Cell)>>,
+    /// Number of V-paths from the start.
+    paths: Vec<u64>,
+    /// Critical facets, and the places of the cells from which a V-path ends in them.
+    ends: Vec<(Cell, Vec<usize>)>,
+}
+
+/// The separatrices from a critical cell down to critical cells of the next lower dimension.
+///
+/// # Returns
+/// Pairs of critical facet and separatrix, by rising facet.
+pub(super) fn separatrices_below(
+    complex: &SimplicialComplex,
+    gradient: &DiscreteGradient,
+    start: Cell,
+) -> Vec<(Cell, Separatrix)> {
+    let descent = Descent::new(complex, gradient, start);
+    let mut separatrices = Vec::new();
+    for (end, last) in &descent.ends {
+        let multiplicity = last.iter().fold(0u64, |sum, &place| sum.saturating_add(descent.paths[place]));
+        if multiplicity <= LISTED {
+            for cells in descent.paths_to(*end, last) {
+                separatrices.push((*end, Separatrix { multiplicity: 1, cells }));
+            }
+        } else {
+            separatrices.push((*end, Separatrix { multiplicity, cells: descent.union_to(*end, last) }));
+        }
+    }
+    separatrices
+}
+
+impl Descent {
+    fn new(complex: &SimplicialComplex, gradient: &DiscreteGradient, start: Cell) -> Self {
+        let cells = topological(complex, gradient, start);
+        let place_of: HashMap<Cell, usize> = cells.iter().enumerate().map(|(place, &cell)| (cell, place)).collect();
+        let mut before = vec![Vec::new(); cells.len()];
+        let mut ends: Vec<(Cell, usize)> = Vec::new();
+        let mut paths = vec![0u64; cells.len()];
+        paths[0] = 1;
+        for (place, &cell) in cells.iter().enumerate() {
+            for (facet, next) in steps(complex, gradient, cell) {
+                match next.map(|next| place_of[&next]) {
+                    Some(next) => {
+                        before[next].push((place, facet));
+                        paths[next] = paths[next].saturating_add(paths[place]);
+                    }
+                    None => ends.push((facet, place)),
+                }
+            }
+        }
+        ends.sort_unstable();
+        let mut grouped: Vec<(Cell, Vec<usize>)> = Vec::new();
+        for (end, place) in ends {
+            match grouped.last_mut() {
+                Some((last, places)) if *last == end => places.push(place),
+                _ => grouped.push((end, vec![place])),
+            }
+        }
+        Self { cells, before, paths, ends: grouped }
+    }
+
+    /// Every V-path to a critical facet.
+    fn paths_to(&self, end: Cell, last: &[usize]) -> Vec<Vec<Cell>> {
+        let mut complete = Vec::new();
+        // Reversed beginnings of V-paths, each with the place at which it goes on.
+        let mut partial: Vec<(usize, Vec<Cell>)> = last.iter().rev().map(|&place| (place, vec![end])).collect();
+        while let Some((mut place, mut path)) = partial.pop() {
+            loop {
+                path.push(self.cells[place]);
+                let Some((&(next, facet), others)) = self.before[place].split_first() else {
+                    break;
+                };
+                for &(other, facet) in others.iter().rev() {
+                    let mut branch = path.clone();
+                    branch.push(facet);
+                    partial.push((other, branch));
+                }
+                path.push(facet);
+                place = next;
+            }
+            path.reverse();
+            complete.push(path);
+        }
+        complete
+    }
+
+    /// All cells on V-paths to a critical facet.
+    fn union_to(&self, end: Cell, last: &[usize]) -> Vec<Cell> {
+        let mut on_path = vec![false; self.cells.len()];
+        for &place in last {
+            on_path[place] = true;
+        }
+        let mut cells = vec![end];
+        // Places rise along every V-path, so all that follow a cell are known before it.
+        for place in (0..self.cells.len()).rev() {
+            if !on_path[place] {
+                continue;
+            }
+            cells.push(self.cells[place]);
+            for &(before, facet) in &self.before[place] {
+                on_path[before] = true;
+                // All arrows into one cell leave the same facet: the one it is paired with.
+                if cells.last() != Some(&facet) {
+                    cells.push(facet);
+                }
+            }
+        }
+        cells.reverse();
+        cells
+    }
+}
+
+/// The facets through which V-paths leave a cell: critical ones, and ones paired with another cell, which is given.
+fn steps<'a>(
+    complex: &'a SimplicialComplex,
+    gradient: &'a DiscreteGradient,
+    cell: Cell,
+) -> impl Iterator<Item = (Cell, Option<Cell>)> + 'a {
+    facets(complex, cell).filter_map(move |facet| match gradient.pairing(facet) {
+        Pairing::Critical => Some((facet, None)),
+        Pairing::Up(next) if next != cell => Some((facet, Some(next))),
+        Pairing::Up(_) | Pairing::Down(_) | Pairing::Outside => None,
+    })
+}
+
+/// The cells of dimension k on V-paths from `start`, in an order in which V-paths rise.
+fn topological(complex: &SimplicialComplex, gradient: &DiscreteGradient, start: Cell) -> Vec<Cell> {
+    let followers = |cell: Cell| -> Vec<Cell> {
+        steps(complex, gradient, cell).filter_map(|(_, next)| next).collect()
+    };
+    let mut seen: std::collections::HashSet<Cell> = [start].into();
+    let mut stack = vec![(start, followers(start))];
+    let mut finished = Vec::new();
+    while let Some((cell, next)) = stack.last_mut() {
+        match next.pop() {
+            Some(follower) => {
+                if seen.insert(follower) {
+                    stack.push((follower, followers(follower)));
+                }
+            }
+            None => {
+                finished.push(*cell);
+                stack.pop();
+            }
+        }
+    }
+    finished.reverse();
+    finished
+}
