@@ -1,1 +1,30 @@
-//! To be written.
+//! The convex engine: a sparse quadratic objective, fixed unknowns, rows in cones.
+//!
+//! ```text
+//! minimise 1/2 xᵀ P x + qᵀ x + c   subject to   x_i = g_i (fixed),   A x + b in K_1 x K_2 x ...
+//! ```
+//!
+//! P is a sum of terms, among them chains `L (W L)^(k-1)` that are multiplied through and never trusted in formed shape.
+//! Every row touches few neighbouring unknowns, so that `P + Aᵀ W A` keeps one pattern: an [`Engine`] orders and analyses
+//! it once, and then serves minimisers without rows ([`Engine::minimise`], [`Engine::pin`]) and interior-point solves
+//! ([`Engine::solve`]) with any weights, fixed sets and rows inside that pattern. It knows no mesh.
+//!
+//! The end of a solve is a [`QpStatus`] with [`KktResiduals`] on the problem as given; only `Solved` is success.
+
+mod engine;
+mod error;
+mod interior;
+mod kkt;
+mod pinned;
+mod problem;
+mod product;
+mod rows;
+mod solution;
+mod start;
+
+pub use engine::Engine;
+pub use error::QpError;
+pub use interior::solve;
+pub use pinned::{Minimum, PinnedSolver};
+pub use problem::{Cone, Constraints, Objective, Problem, Term};
+pub use solution::{Certificate, KktResiduals, Progress, QpStatus, Settings, Solution, Timings};

@@ -1,0 +1,317 @@
+//! One pattern, analysed once: the quadratic form in it, its factor, and solves refined in product form.
+
+use crate::linalg::{Cholesky, CsrMatrix, FactorError, SymbolicCholesky, fill_reducing_order};
+
+use super::problem::check_fixed;
+use super::product::{Scratch, add, dot};
+use super::{Objective, QpError, Term};
+
+/// Right-hand sides that the factor takes at a time.
+pub(super) const COLUMNS: usize = 8;
+
+/// Shifts relative to the diagonal that are tried in turn when a pivot fails; refinement removes their effect.
+const SHIFTS: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
+
+/// The solver of all problems whose quadratic form and rows stay within one sparsity pattern.
+///
+/// Terms may be re-weighted or change their numbers, the set of fixed unknowns may change, rows may come and go:
+/// the order of elimination and the analysis are paid once, in [`Engine::new`]. Fixed unknowns stay in the pattern as
+/// rows of the identity.
+pub struct Engine {
+    unknowns: usize,
+    pub(super) symbolic: SymbolicCholesky,
+    pub(super) factor: Cholesky,
+    diagonal: Vec<u32>,
+    /// Row and column of each stored value.
+    places: Vec<(u32, u32)>,
+    formed: Vec<Formed>,
+    /// The quadratic form on the free unknowns, identity on the fixed ones.
+    base: Vec<f64>,
+    pub(super) values: Vec<f64>,
+    pub(super) is_fixed: Vec<bool>,
+    pub(super) scratch: Scratch,
+    refinement: [Vec<f64>; 4],
+    pub(super) factorizations: usize,
+}
+
+/// A term's matrix in the engine's slots, without the scale of a chain, and the term it was formed from.
+struct Formed {
+    term: Term,
+    slots: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl Engine {
+    /// Analyses the pattern of an objective.
+    ///
+    /// # Arguments
+    /// * `objective`: n unknowns; only the patterns of its terms matter here.
+    /// * `rows`: `m x n` rows whose unknowns the pattern must couple, unless P couples them already (rows between mesh
+    ///   neighbours always lie inside the pattern of a chain).
+    /// * `coordinates`: a place for each unknown, any unit; turns on nested dissection from 20,000 unknowns on.
+    ///
+    /// # Errors
+    /// [`QpError`] for wrong shapes and non-finite numbers; [`QpError::Factor`] from the analysis.
+    ///
+    /// # Cost
+    /// About one numeric factorisation.
+    pub fn new(objective: &Objective, rows: Option<&CsrMatrix>, coordinates: Option<&[[f64; 3]]>) -> Result<Self, QpError> {
+        objective.check()?;
+        let unknowns = objective.unknowns();
+        let matrices: Vec<CsrMatrix> = objective.terms.iter().filter_map(formed_matrix).collect();
+        let coupling = rows.map(|rows| rows.transpose().weighted_product(&vec![1.0; rows.rows()], rows));
+        let patterns: Vec<&CsrMatrix> = matrices.iter().chain(&coupling).collect();
+        let pattern = CsrMatrix::union_of_patterns(unknowns, &patterns);
+        let symbolic = SymbolicCholesky::new(&pattern, fill_reducing_order(&pattern, coordinates)?)?;
+        let mut places = vec![(0, 0); symbolic.entries()];
+        for row in 0..unknowns {
+            for &column in pattern.row(row).0 {
+                if symbolic.is_stored(row, column as usize) {
+                    places[symbolic.slot(row, column as usize)? as usize] = (row as u32, column);
+                }
+            }
+        }
+        let diagonal = (0..unknowns).map(|row| symbolic.slot(row, row)).collect::<Result<Vec<u32>, FactorError>>()?;
+        Ok(Self {
+            unknowns,
+            factor: Cholesky::new(&symbolic, COLUMNS),
+            diagonal,
+            places,
+            formed: Vec::new(),
+            base: vec![0.0; symbolic.entries()],
+            values: vec![0.0; symbolic.entries()],
+            is_fixed: vec![false; unknowns],
+            scratch: Scratch::new(unknowns),
+            refinement: std::array::from_fn(|_| vec![0.0; unknowns]),
+            factorizations: 0,
+            symbolic,
+        })
+    }
+
+    /// Number of unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.unknowns
+    }
+
+    /// Nonzeros of the factor.
+    pub fn factor_entries(&self) -> usize {
+        self.symbolic.factor_entries()
+    }
+
+    /// Numeric factorisations so far.
+    pub fn factorizations(&self) -> usize {
+        self.factorizations
+    }
+
+    /// Writes the quadratic form on the free unknowns into the base values. A chain whose matrix did not change is
+    /// only scaled anew.
+    pub(super) fn assemble(&mut self, objective: &Objective, fixed: &[Option<f64>]) -> Result<(), QpError> {
+        if objective.unknowns() != self.unknowns {
+            return Err(QpError::Length { array: "linear", expected: self.unknowns, found: objective.unknowns() });
+        }
+        objective.check()?;
+        check_fixed(fixed, self.unknowns)?;
+        self.formed.truncate(objective.terms.len());
+        self.base.fill(0.0);
+        for (index, term) in objective.terms.iter().enumerate() {
+            if let Term::Diagonal(diagonal) = term {
+                for (&slot, value) in self.diagonal.iter().zip(diagonal) {
+                    self.base[slot as usize] += value;
+                }
+            }
+            if self.formed.get(index).is_none_or(|formed| !same_matrix(&formed.term, term)) {
+                let formed = self.form(index, term)?;
+                self.formed.truncate(index);
+                self.formed.push(formed);
+            }
+            let scale = if let Term::Chain { scale, .. } = term { *scale } else { 1.0 };
+            let formed = &self.formed[index];
+            for (&slot, value) in formed.slots.iter().zip(&formed.values) {
+                self.base[slot as usize] += scale * value;
+            }
+        }
+        for (slot, value) in self.is_fixed.iter_mut().zip(fixed) {
+            *slot = value.is_some();
+        }
+        for (value, &(row, column)) in self.base.iter_mut().zip(&self.places) {
+            if self.is_fixed[row as usize] || self.is_fixed[column as usize] {
+                *value = f64::from(u8::from(row == column));
+            }
+        }
+        Ok(())
+    }
+
+    fn form(&self, index: usize, term: &Term) -> Result<Formed, QpError> {
+        let (mut slots, mut values) = (Vec::new(), Vec::new());
+        if let Some(matrix) = formed_matrix(term) {
+            for row in 0..self.unknowns {
+                let (columns, entries) = matrix.row(row);
+                for (&column, &value) in columns.iter().zip(entries) {
+                    if self.symbolic.is_stored(row, column as usize) {
+                        let slot = self.symbolic.slot(row, column as usize).map_err(|_| QpError::TermOutsidePattern {
+                            term: index,
+                            first: row,
+                            second: column as usize,
+                        })?;
+                        slots.push(slot);
+                        values.push(value);
+                    }
+                }
+            }
+        }
+        Ok(Formed { term: term.clone(), slots, values })
+    }
+
+    /// Resets the values to the quadratic form alone.
+    pub(super) fn reset_values(&mut self) {
+        self.values.copy_from_slice(&self.base);
+    }
+
+    /// Factors the values; on a failed pivot with growing relative shifts of the diagonal.
+    pub(super) fn factor_values(&mut self) -> Result<(), QpError> {
+        self.factorizations += 1;
+        let mut failed = match self.factor.factor(&self.symbolic, &self.values) {
+            Ok(()) => return Ok(()),
+            Err(error) => error,
+        };
+        let typical = self.diagonal.iter().map(|&slot| self.values[slot as usize]).fold(0.0, f64::max);
+        if !typical.is_finite() {
+            return Err(failed.into());
+        }
+        let mut before = 0.0;
+        for shift in SHIFTS {
+            for &slot in &self.diagonal {
+                let value = &mut self.values[slot as usize];
+                // A tiny part relative to the largest entry covers rows that are zero altogether.
+                *value += (shift - before) * (*value + 1e-6 * typical);
+            }
+            before = shift;
+            self.factorizations += 1;
+            match self.factor.factor(&self.symbolic, &self.values) {
+                Ok(()) => return Ok(()),
+                Err(error) => failed = error,
+            }
+        }
+        Err(match failed {
+            FactorError::NonPositivePivot { unknown } => QpError::NotConvex { unknown, shift: before },
+            other => other.into(),
+        })
+    }
+
+    /// Zero at the fixed unknowns.
+    pub(super) fn mask(&self, vector: &mut [f64]) {
+        for (slot, &fixed) in vector.iter_mut().zip(&self.is_fixed) {
+            if fixed {
+                *slot = 0.0;
+            }
+        }
+    }
+
+    /// Solves `(P + Aᵀ W A) d = r` on the free unknowns: conjugate gradients on the product form, preconditioned with the
+    /// factor, so that one step is a plain solve and the next ones are refinement.
+    ///
+    /// # Arguments
+    /// * `rows`: A without fixed columns, and W; `None` for P alone.
+    /// * `side`: r, zero at the fixed unknowns; `direction`: d, overwritten.
+    /// * `tolerance`: on the residual's 2-norm relative to that of r; `steps`: most solves.
+    ///
+    /// # Returns
+    /// The number of solves and the relative residual reached (1 if it was not measured).
+    pub(super) fn solve_refined(
+        &mut self,
+        objective: &Objective,
+        rows: Option<(&CsrMatrix, &[f64])>,
+        side: &[f64],
+        direction: &mut [f64],
+        (tolerance, steps): (f64, usize),
+    ) -> (usize, f64) {
+        let [mut residual, mut solved, mut search, mut image] = std::mem::take(&mut self.refinement);
+        residual.copy_from_slice(side);
+        direction.fill(0.0);
+        let size = dot(side, side).sqrt();
+        let mut previous = 0.0;
+        let mut taken = 0;
+        let mut reached = 1.0;
+        while taken < steps && size > 0.0 {
+            solved.copy_from_slice(&residual);
+            self.factor.solve_in_place(&self.symbolic, &mut solved);
+            taken += 1;
+            let product = dot(&residual, &solved);
+            if taken == 1 {
+                search.copy_from_slice(&solved);
+            } else {
+                let ratio = product / previous;
+                for (slot, value) in search.iter_mut().zip(&solved) {
+                    *slot = value + ratio * *slot;
+                }
+            }
+            previous = product;
+            if steps == 1 {
+                direction.copy_from_slice(&search);
+                break;
+            }
+            objective.product_into(&search, &mut image, &mut self.scratch);
+            if let Some((matrix, weights)) = rows {
+                add_normal_product(matrix, weights, &search, &mut image);
+            }
+            self.mask(&mut image);
+            let length = product / dot(&search, &image);
+            if !length.is_finite() || length <= 0.0 {
+                if taken == 1 {
+                    direction.copy_from_slice(&search);
+                }
+                break;
+            }
+            add(direction, length, &search);
+            add(&mut residual, -length, &image);
+            let now = dot(&residual, &residual).sqrt() / size;
+            if now <= tolerance || (taken > 1 && now > 2.0 * reached) {
+                reached = now;
+                break;
+            }
+            reached = now;
+        }
+        self.refinement = [residual, solved, search, image];
+        (taken, reached)
+    }
+}
+
+/// `y += Aᵀ W A x`.
+fn add_normal_product(matrix: &CsrMatrix, weights: &[f64], x: &[f64], y: &mut [f64]) {
+    for (row, weight) in weights.iter().enumerate() {
+        let (columns, values) = matrix.row(row);
+        let image: f64 = columns.iter().zip(values).map(|(&column, value)| value * x[column as usize]).sum();
+        let force = weight * image;
+        for (&column, value) in columns.iter().zip(values) {
+            y[column as usize] += value * force;
+        }
+    }
+}
+
+/// The matrix of a term, a chain without its scale; `None` for a diagonal.
+fn formed_matrix(term: &Term) -> Option<CsrMatrix> {
+    match term {
+        Term::Matrix(matrix) => Some(matrix.clone()),
+        Term::Diagonal(_) => None,
+        Term::Chain { stiffness, weights, order, .. } => {
+            let mut product = stiffness.clone();
+            for _ in 1..*order {
+                product = stiffness.weighted_product(weights, &product);
+            }
+            Some(product)
+        }
+    }
+}
+
+/// Whether two terms have the same matrix up to the scale of a chain.
+fn same_matrix(one: &Term, other: &Term) -> bool {
+    match (one, other) {
+        (Term::Matrix(one), Term::Matrix(other)) => one == other,
+        (Term::Diagonal(_), Term::Diagonal(_)) => true,
+        (
+            Term::Chain { stiffness: one, weights: w, order: k, .. },
+            Term::Chain { stiffness: other, weights: v, order: l, .. },
+        ) => k == l && w == v && one == other,
+        _ => false,
+    }
+}

@@ -1,0 +1,140 @@
+//! Optimality of a point, measured on the problem as given.
+
+use super::interior::Interior;
+use super::product::{Scratch, dot, largest};
+use super::{Certificate, KktResiduals, Progress, Settings};
+
+/// The residuals of a point and its objective.
+pub(super) struct Measure {
+    pub objective: f64,
+    pub kkt: KktResiduals,
+}
+
+impl Measure {
+    /// Measures the current point and leaves its residual vectors in the solver.
+    pub fn of(interior: &mut Interior<'_>) -> Self {
+        let mut stationarity = std::mem::take(&mut interior.stationarity);
+        let mut primal = std::mem::take(&mut interior.primal);
+        let mut scratch = std::mem::take(&mut interior.engine.scratch);
+        let measure = measured(interior, &mut stationarity, &mut primal, &mut scratch);
+        interior.engine.mask(&mut stationarity);
+        interior.stationarity = stationarity;
+        interior.primal = primal;
+        interior.engine.scratch = scratch;
+        measure
+    }
+
+    /// Measures the current point from nothing.
+    pub fn of_point(interior: &Interior<'_>) -> Self {
+        let mut stationarity = vec![0.0; interior.point.x.len()];
+        let mut primal = vec![0.0; interior.rows.len()];
+        measured(interior, &mut stationarity, &mut primal, &mut Scratch::new(interior.point.x.len()))
+    }
+
+    pub fn progress(&self, iteration: usize, step: f64) -> Progress {
+        let kkt = &self.kkt;
+        Progress { iteration, gap: kkt.duality_gap, stationarity: kkt.stationarity, primal: kkt.primal, step }
+    }
+
+    pub fn is_optimal(&self, settings: &Settings) -> bool {
+        self.merit(settings) <= 1.0
+    }
+
+    /// The largest residual over its tolerance.
+    pub fn merit(&self, settings: &Settings) -> f64 {
+        let kkt = &self.kkt;
+        (kkt.duality_gap / settings.relative_gap)
+            .max(kkt.primal / settings.residual)
+            .max(kkt.stationarity / settings.residual.max(kkt.rounding))
+    }
+}
+
+fn measured(interior: &Interior<'_>, stationarity: &mut [f64], primal: &mut [f64], scratch: &mut Scratch) -> Measure {
+    let Interior { problem, rows, point, engine, .. } = interior;
+    let objective = &problem.objective;
+    let quadratic = objective.quadratic(&point.x, scratch);
+    let linear = dot(&objective.linear, &point.x);
+    let value = quadratic + linear + objective.constant;
+    let size: f64 = objective.linear.iter().zip(&point.x).map(|(q, x)| (q * x).abs()).sum();
+    // Where the terms cancel, their rounding is the unit in which a gap can be told at all.
+    let unit = value.abs().max(1e-8 * (quadratic + size + objective.constant.abs())).max(f64::MIN_POSITIVE);
+
+    // The addends first, since the gradient overwrites the same vector.
+    objective.addends_into(&point.x, stationarity, scratch);
+    engine.mask(stationarity);
+    let addends = largest(stationarity);
+    objective.product_into(&point.x, stationarity, scratch);
+    let mut source: f64 = 0.0;
+    for (index, (slot, q)) in stationarity.iter_mut().zip(&objective.linear).enumerate() {
+        *slot += q;
+        if !engine.is_fixed[index] {
+            source = source.max(q.abs());
+        }
+    }
+    let before: Vec<f64> = Vec::new();
+    drop(before);
+    rows.add_transposed(-1.0, &point.z, stationarity);
+    let (mut residual, mut reaction) = (0.0f64, 0.0f64);
+    for (slot, &fixed) in stationarity.iter().zip(&engine.is_fixed) {
+        let most = if fixed { &mut reaction } else { &mut residual };
+        if slot.abs() > *most || slot.is_nan() {
+            *most = slot.abs();
+        }
+    }
+    let force = largest_force(interior).max(reaction).max(1e-3 * source);
+    let relative = |value: f64, unit: f64| if value == 0.0 { 0.0 } else { value / unit.max(f64::MIN_POSITIVE) };
+
+    rows.slack_into(&point.x, primal);
+    let (mut gap, mut most, mut violation) = (0.0f64, 0.0f64, 0.0f64);
+    for ((value, s), z) in primal.iter_mut().zip(&point.s).zip(&point.z) {
+        gap += z * *value;
+        most = most.max(s * z);
+        violation = violation.max(-*value).max((*value - s).abs());
+        *value -= s;
+    }
+    let row_size = rows.offset_size.max(largest(&point.s));
+    Measure {
+        objective: value,
+        kkt: KktResiduals {
+            stationarity: relative(residual, force),
+            rounding: relative(f64::EPSILON * addends, force),
+            primal: relative(violation, row_size),
+            complementarity: relative(most, unit),
+            duality_gap: relative(gap.abs(), unit),
+        },
+    }
+}
+
+/// Largest entry of `Aᵀ z`.
+fn largest_force(interior: &Interior<'_>) -> f64 {
+    let mut force = vec![0.0; interior.point.x.len()];
+    interior.rows.add_transposed(1.0, &interior.point.z, &mut force);
+    largest(&force)
+}
+
+/// A certificate that the rows contradict each other, if the duals have become one.
+///
+/// Growing duals with `Aᵀ y` tiny against `-bᵀ y` show that every x violates some row: for x within any ball of radius r around
+/// zero, `yᵀ (A x + b) <= r |Aᵀ y|_1 + bᵀ y < 0`.
+pub(super) fn certificate(interior: &Interior<'_>) -> Option<Certificate> {
+    let Interior { rows, point, .. } = interior;
+    let conflict = dot(&rows.offset, &point.z);
+    if conflict >= 0.0 {
+        return None;
+    }
+    let top = largest(&point.z);
+    let mut image = vec![0.0; point.x.len()];
+    rows.add_transposed(1.0, &point.z, &mut image);
+    let sum: f64 = image.iter().map(|value| value.abs()).sum();
+    // Any x that could still be feasible would lie a million times farther out than the present one.
+    if sum * 1e6 * largest(&point.x).max(f64::MIN_POSITIVE) > -conflict {
+        return None;
+    }
+    let chosen: Vec<usize> = (0..rows.len()).filter(|&row| point.z[row] > 1e-6 * top).collect();
+    Some(Certificate {
+        rows: chosen.iter().map(|&row| rows.original[row] as usize).collect(),
+        multipliers: chosen.iter().map(|&row| point.z[row] / top).collect(),
+        conflict: conflict / top,
+        residual: largest(&image) / top,
+    })
+}

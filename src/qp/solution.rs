@@ -1,0 +1,119 @@
+//! What a solve returns, and what it may be asked for.
+
+/// When a solve ends and how hard it works.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Duality gap relative to the objective (with its constant) below which a point counts as optimal.
+    pub relative_gap: f64,
+    /// Largest stationarity and primal residual, relative (see [`KktResiduals`]), of an optimal point.
+    pub residual: f64,
+    /// Interior-point iterations before [`QpStatus::IterationLimit`]; each has one numeric factorisation.
+    pub max_iterations: usize,
+    /// Most centrality correctors (Gondzio 1996) in an iteration; used only where a factorisation costs many solves.
+    pub correctors: usize,
+    /// Fraction of the way to the boundary of the cone that a step takes, below 1.
+    pub step_fraction: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { relative_gap: 1e-8, residual: 1e-8, max_iterations: 200, correctors: 3, step_fraction: 0.99 }
+    }
+}
+
+/// Where a solve stands; given to the callback once an iteration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Iterations done.
+    pub iteration: usize,
+    /// Duality gap relative to the objective.
+    pub gap: f64,
+    /// Relative stationarity residual.
+    pub stationarity: f64,
+    /// Relative primal residual.
+    pub primal: f64,
+    /// Length of the last step, 0 before the first.
+    pub step: f64,
+}
+
+/// Why no point satisfies the rows: a combination of rows that contradicts itself.
+///
+/// With the multipliers y >= 0, the sum `yᵀ (A x + b)` does not depend on the free unknowns and is negative; no
+/// feasible x could make it so.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certificate {
+    /// The rows that contradict each other, rising.
+    pub rows: Vec<usize>,
+    /// The positive multiplier of each of these rows; the largest is 1.
+    pub multipliers: Vec<f64>,
+    /// `yᵀ (A x + b)` with all free unknowns at zero: negative.
+    pub conflict: f64,
+    /// Largest entry of `Aᵀ y` at a free unknown: zero up to rounding.
+    pub residual: f64,
+}
+
+/// How a solve ended. Only [`QpStatus::Solved`] is success.
+#[derive(Debug, Clone, PartialEq)]
+pub enum QpStatus {
+    /// The KKT residuals are within the settings.
+    Solved,
+    /// No point satisfies the rows.
+    Infeasible(Certificate),
+    /// The iterations ran out; the point is the last one.
+    IterationLimit,
+    /// Rounding stopped the progress above the tolerances; the point is the best one seen.
+    Stalled,
+}
+
+/// Optimality of a point, measured on the problem as given (no scaling), gradients in product form.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KktResiduals {
+    /// Largest entry of `P x + q - Aᵀ z` at a free unknown, relative to the largest force in that balance: an entry of
+    /// `Aᵀ z`, the reaction at a fixed unknown, or a thousandth of an entry of q.
+    pub stationarity: f64,
+    /// What rounding the entries of x alone leaves in `stationarity`, in the same unit. Where this exceeds the tolerance (orders
+    /// 3 and 4 on fine meshes), it is the tolerance: no point in double precision does better.
+    pub rounding: f64,
+    /// Largest violation of a row `A x + b >= 0` or difference to the slack, relative to the largest entry of `|A| |x| + |b|`.
+    pub primal: f64,
+    /// Largest product of a slack and its dual relative to the objective.
+    pub complementarity: f64,
+    /// `zᵀ (A x + b)` relative to the objective. With zero stationarity this bounds the distance to the optimal objective.
+    pub duality_gap: f64,
+}
+
+/// Seconds by stage.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Timings {
+    /// Numeric factorisations, assembly included.
+    pub factor: f64,
+    /// Triangular solves with refinement.
+    pub solve: f64,
+    /// The whole call.
+    pub total: f64,
+}
+
+/// The end of a solve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// The point, n numbers; fixed unknowns have exactly their values.
+    pub x: Vec<f64>,
+    /// `A x + b` at that point as the interior point keeps it, positive, m numbers.
+    pub slack: Vec<f64>,
+    /// z, the multiplier of each row, m nonnegative numbers.
+    pub dual: Vec<f64>,
+    /// How the solve ended.
+    pub status: QpStatus,
+    /// The objective at the point, with its constant.
+    pub objective: f64,
+    /// Optimality of the point.
+    pub kkt: KktResiduals,
+    /// Interior-point iterations.
+    pub iterations: usize,
+    /// Numeric factorisations, repeated ones included.
+    pub factorizations: usize,
+    /// Triangular solves.
+    pub solves: usize,
+    /// Seconds by stage.
+    pub timings: Timings,
+}
