@@ -1,6 +1,6 @@
 //! The domain of a computation: the user's points and cells, masked and subdivided into one simplicial complex.
 
-use super::{CellList, Grid, MeshFault, SimplicialComplex};
+use super::{CellList, DomainError, Grid, MeshFault, SimplicialComplex, build};
 use crate::field::VertexId;
 
 /// Which points and cells take part. A simplex survives if all its points and its cell are kept.
@@ -33,149 +33,96 @@ impl Mask {
     }
 }
 
-/// Why points and cells are not a domain.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum DomainError {
-    /// No simplex is left.
-    #[error(
-        "the domain is empty: {points} points, {cells} cells, of which the mask removes {masked_points} points and \
-         {masked_cells} cells, and no line, triangle or tetrahedron is left"
-    )]
-    Empty {
-        /// Points of the input.
-        points: usize,
-        /// Cells of the input.
-        cells: usize,
-        /// Points that the mask removes.
-        masked_points: usize,
-        /// Cells that the mask removes.
-        masked_cells: usize,
-    },
-    /// A mask does not fit the points or cells.
-    #[error("the mask has {found} flags for {expected} {what}")]
-    MaskLength {
-        /// "points" or "cells".
-        what: &'static str,
-        /// Number of points or cells.
-        expected: usize,
-        /// Number of flags.
-        found: usize,
-    },
-    /// The offsets of a cell list do not cut its connectivity into cells.
-    #[error("cell offsets are inconsistent at cell {cell}: {found}; expected {expected}")]
-    Offsets {
-        /// The first cell whose end is wrong.
-        cell: usize,
-        /// What was found, in words.
-        found: String,
-        /// What was expected, in words.
-        expected: String,
-    },
-    /// A cell names a point that does not exist.
-    #[error("cell {cell} names point {point}; expected less than {points}")]
-    PointOutOfRange {
-        /// The cell.
-        cell: usize,
-        /// The point that it names.
-        point: u32,
-        /// Number of points.
-        points: usize,
-    },
-    /// A cell of a fixed shape has another number of corners.
-    #[error("cell {cell} ({shape:?}) has {found} corners; expected {expected}")]
-    CornerCount {
-        /// The cell.
-        cell: usize,
-        /// Its shape.
-        shape: super::CellShape,
-        /// Corners that the shape has.
-        expected: usize,
-        /// Corners that the cell has.
-        found: usize,
-    },
-    /// A cell has a shape without a subdivision.
-    #[error(
-        "cell {cell} has VTK type {vtk_type}; expected a linear cell (types 1 to 14): tetrahedralise or linearise it, or mask it"
-    )]
-    UnsupportedCell {
-        /// The first such cell.
-        cell: usize,
-        /// Its VTK cell type.
-        vtk_type: u8,
-    },
-    /// A used point has a coordinate that is NaN or infinite.
-    #[error("point {point} lies at {coordinates:?}; expected finite coordinates: mask the point or repair it")]
-    NonFinitePoint {
-        /// The first such point.
-        point: u32,
-        /// Its coordinates.
-        coordinates: [f64; 3],
-    },
-    /// The geometry of a grid does not fit its dimensions.
-    #[error("the grid has {expected} points along axis {axis}, but its geometry has {found}")]
-    GridShape {
-        /// Axis 0, 1 or 2; 3 for the list of all points.
-        axis: usize,
-        /// Points by `dims`.
-        expected: usize,
-        /// Points by the geometry.
-        found: i128,
-    },
-    /// More points or simplices than 32-bit numbers can name.
-    #[error("{found} {what}; at most {most} can be handled")]
-    TooLarge {
-        /// "points" or "simplices".
-        what: &'static str,
-        /// How many there are.
-        found: u128,
-        /// How many there may be.
-        most: u64,
-    },
-}
-
 /// A simplicial complex made from the user's points and cells, and the way back.
 ///
 /// Vertices are the points of surviving top simplices, in the order of the points. All other points (masked,
 /// unreferenced, isolated) are no part of the domain and keep their value in an output.
+///
+/// Invariants: `point_of_vertex` rises strictly and inverts `vertex_of_point`; there is one cell number a simplex.
 #[derive(Debug, Clone)]
 pub struct Domain {
     /// The complex.
     pub complex: SimplicialComplex,
+    /// What was found and handled while the domain was made.
+    pub notes: Vec<MeshFault>,
     pub(super) vertex_of_point: Vec<Option<VertexId>>,
     pub(super) point_of_vertex: Vec<u32>,
     pub(super) cell_of_simplex: Vec<u32>,
-    /// What was found and handled while the domain was made.
-    pub notes: Vec<MeshFault>,
 }
 
 impl Domain {
     /// Masks and subdivides cells.
     ///
-    /// The dimension of the domain is that of its highest cells; lower ones are left out. Polygons, quads and pixels
-    /// are cut into triangles; voxels, hexahedra, wedges and pyramids into tetrahedra, with every quadrilateral face
-    /// cut at its smallest point number, so that neighbours agree. The result depends only on the input.
+    /// The dimension of the domain is that of the highest cells that the cell mask keeps; lower ones are left out. Polygons
+    /// and quads are cut into triangles by a fan from their smallest point number, or by ears where the fan does not
+    /// fit; voxels, hexahedra, wedges and pyramids into tetrahedra, with every quadrilateral face cut at its smallest point
+    /// number, so that neighbours agree. Simplices that are there twice are used once. The result depends only on the input.
     ///
     /// # Arguments
-    /// * `points`: `n x 3` positions. * `cells`: point numbers below `n`. * `mask`: flags for points and cells.
+    /// * `points`: `n x 3` positions, in the units of the file.
+    /// * `cells`: point numbers below `n`.
+    /// * `mask`: flags for points and cells.
     ///
     /// # Errors
     /// [`DomainError`] with the first cell or point that cannot be used.
     ///
     /// # Cost
-    /// O(m log m) for m simplices.
+    /// O(m) for m simplices of bounded stars, in parallel.
+    ///
+    /// # Source
+    /// Dompierre, Labbé, Vallet, Camarero 1999, *How to subdivide pyramids, prisms and hexahedra into tetrahedra*.
+    ///
+    /// # Example
+    /// ```
+    /// use morsmooth::mesh::{CellList, CellShape, Domain, Mask};
+    /// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [9.0, 9.0, 9.0]];
+    /// let cells = CellList::uniform(CellShape::Quad, 4, &[0, 1, 2, 3]);
+    /// let domain = Domain::from_cells(&points, &cells, &Mask::none())?;
+    /// assert_eq!(domain.complex.simplices(), [0, 1, 2, 0, 2, 3]);
+    /// assert_eq!(domain.vertex_of_point()[4], None); // of no cell
+    /// assert_eq!(domain.notes.len(), 1); // says so
+    /// # Ok::<(), morsmooth::mesh::DomainError>(())
+    /// ```
     pub fn from_cells(points: &[[f64; 3]], cells: &CellList, mask: &Mask) -> Result<Self, DomainError> {
-        let _ = mask;
-        Err(DomainError::Empty { points: points.len(), cells: cells.len(), masked_points: 0, masked_cells: 0 })
+        build::from_cells(points, cells, mask)
     }
 
-    /// Masks and subdivides a structured grid.
+    /// Masks and subdivides a structured grid: a polyline, triangles or tetrahedra, by the number of axes that are not
+    /// flat.
+    ///
+    /// Freudenthal subdivision: every square is cut along (i, j)–(i+1, j+1), every cube into the six tetrahedra around
+    /// (i, j, k)–(i+1, j+1, k+1). Cells are numbered as VTK numbers them, the first axis fastest.
     ///
     /// # Errors
-    /// [`DomainError`].
+    /// [`DomainError`] if grid and mask do not fit, if nothing is left, or with the first point that cannot be used.
+    ///
+    /// # Cost
+    /// O(n), in parallel.
+    ///
+    /// # Source
+    /// Freudenthal 1942; Kuhn 1960.
+    ///
+    /// # Example
+    /// ```
+    /// use morsmooth::mesh::{Domain, Grid, Mask};
+    /// let grid = Grid::image([3, 1, 2], [0.0; 3], [1.0; 3]); // in the x–z plane
+    /// let domain = Domain::from_grid(&grid, &Mask::none())?;
+    /// assert_eq!(domain.complex.simplex_count(), 4);
+    /// # Ok::<(), morsmooth::mesh::DomainError>(())
+    /// ```
     pub fn from_grid(grid: &Grid, mask: &Mask) -> Result<Self, DomainError> {
-        let _ = mask;
-        Err(DomainError::Empty { points: grid.point_count(), cells: grid.cell_count(), masked_points: 0, masked_cells: 0 })
+        build::from_grid(grid, mask)
+    }
+
+    /// A complex as the domain of its own points and simplices; vertices without simplices are left out, with a note.
+    ///
+    /// # Errors
+    /// [`DomainError::Empty`] without simplices, [`DomainError::NonFinitePoint`].
+    ///
+    /// # Cost
+    /// O(m), in parallel.
+    pub fn from_complex(complex: &SimplicialComplex) -> Result<Self, DomainError> {
+        build::from_complex(complex)
     }
 
     /// Number of points of the input, in or out of the domain.

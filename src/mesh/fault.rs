@@ -55,14 +55,15 @@ pub enum MeshFault {
         /// Tetrahedra at the triangle.
         tetrahedra: usize,
     },
-    /// A vertex around which the mesh is neither a (half) disc nor a (half) ball. Handled.
+    /// A vertex around which the mesh is no line, disc or ball, nor half of one. Handled.
     ///
     /// Ends of non-manifold edges and corners of non-manifold faces are not listed again.
     #[error("the mesh is pinched or branches at point {point} ({sheets} sheets meet there); kept as it is")]
     NonManifoldVertex {
         /// The point.
         point: u32,
-        /// Connected parts of the link of the vertex.
+        /// Parts of the star that do not hang together through edges (dimension 2) or triangles (3) at the point; lines at it in
+        /// dimension 1. A single sheet in dimension 3 is pinched along an edge or wound round a hole.
         sheets: usize,
     },
     /// Neighbouring simplices that disagree on which side is up. Handled.
