@@ -1,1 +1,22 @@
-//! To be written.
+//! Files in and out: VTK XML and legacy VTK, with everything that they hold.
+//!
+//! [`read`] gives a [`DataSet`]: geometry and arrays in the types and the order of the file. [`write`] and
+//! [`write_temporary`] put it back; what was not changed survives bit for bit.
+
+mod array;
+mod bytes;
+mod cells;
+mod dataset;
+mod error;
+mod legacy;
+mod pending;
+mod read;
+mod write;
+mod xml;
+
+pub use array::{ArrayData, DataArray, InformationKey, InformationValue, ValueType};
+pub use dataset::{Attributes, CellArray, DataSet, Extent, Geometry, IndexWidth, Polyhedra, Role};
+pub use error::{IoError, Place};
+pub use pending::{PendingFile, is_same_file};
+pub use read::read;
+pub use write::{Compression, write, write_temporary, write_temporary_with};

@@ -1,0 +1,100 @@
+//! Files appear whole or not at all: written beside their place, then renamed.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::error::IoError;
+
+/// A file that is written, but not yet in its place.
+///
+/// Dropped without [`PendingFile::commit`], it is removed and the place is as it was.
+#[derive(Debug)]
+pub struct PendingFile {
+    temporary: PathBuf,
+    target: PathBuf,
+    committed: bool,
+}
+
+impl PendingFile {
+    /// Creates a file beside `target` and fills it.
+    ///
+    /// # Errors
+    /// [`IoError::Write`] if the folder takes no file, or if `target` is a folder or write-protected.
+    pub(super) fn create(target: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<Self, IoError> {
+        static COUNTER: AtomicU32 = AtomicU32::new(0);
+        let failed = |source| IoError::Write { path: target.to_owned(), source };
+        // Through a link, so that it is its file that is replaced.
+        let real = fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
+        if let Ok(metadata) = fs::metadata(&real) {
+            if metadata.is_dir() {
+                return Err(failed(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder")));
+            }
+            if metadata.permissions().readonly() {
+                return Err(failed(io::Error::new(io::ErrorKind::PermissionDenied, "it is write-protected")));
+            }
+        }
+        let Some(name) = real.file_name() else {
+            return Err(failed(io::Error::new(io::ErrorKind::InvalidInput, "it has no file name")));
+        };
+        let mut hidden = std::ffi::OsString::from(".");
+        hidden.push(name);
+        hidden.push(format!(".{}-{}.part", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
+        let temporary = real.with_file_name(hidden);
+        let file = OpenOptions::new().write(true).create_new(true).open(&temporary).map_err(failed)?;
+        let pending = Self { temporary, target: real, committed: false };
+        let mut buffered = BufWriter::with_capacity(1 << 18, file);
+        fill(&mut buffered).and_then(|()| buffered.flush()).map_err(failed)?;
+        Ok(pending)
+    }
+
+    /// The file as it is now, under its temporary name, complete and readable.
+    pub fn path(&self) -> &Path {
+        &self.temporary
+    }
+
+    /// The place that the file will take.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// Puts the file in its place, replacing what is there in one step.
+    ///
+    /// # Errors
+    /// [`IoError::Write`] if the rename fails; the temporary file is removed then.
+    pub fn commit(mut self) -> Result<(), IoError> {
+        match fs::rename(&self.temporary, &self.target) {
+            Ok(()) => {
+                self.committed = true;
+                Ok(())
+            }
+            Err(source) => Err(IoError::Write { path: self.target.clone(), source }),
+        }
+    }
+}
+
+impl Drop for PendingFile {
+    fn drop(&mut self) {
+        if !self.committed {
+            // Nothing can be done about a failure here, and the user's own file is untouched.
+            let _ = fs::remove_file(&self.temporary);
+        }
+    }
+}
+
+/// Whether two paths lead to the same file, through links too. A file that does not exist is the same as none.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        match (fs::metadata(a), fs::metadata(b)) {
+            (Ok(a), Ok(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
+            _ => false,
+        }
+    }
+    #[cfg(not(unix))]
+    {
+        matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
+    }
+}

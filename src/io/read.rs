@@ -1,0 +1,47 @@
+//! Reading a file of any format that this module knows.
+
+use std::path::Path;
+
+use super::dataset::DataSet;
+use super::error::{Fault, IoError, Place};
+use super::{legacy, xml};
+
+/// Reads a data set from a VTK XML file (`.vti .vtr .vts .vtp .vtu`) or a legacy `.vtk` file.
+///
+/// The content decides, not the extension. Several pieces in one file become one data set.
+///
+/// # Errors
+/// [`IoError::Read`] if there is no such file, [`IoError::Unsupported`] for other formats, [`IoError::Malformed`] with
+/// line or byte for files that break their format. Damaged files are never a panic.
+///
+/// # Cost
+/// Time and memory linear in the size of the file and of the data that it declares. Declared sizes are checked against
+/// the bytes that are there before memory is taken; packed data may unfold at most as far as its compressor can pack
+/// (1,040-fold for zlib, 256-fold for lz4, 65,536-fold for lzma).
+pub fn read(path: impl AsRef<Path>) -> Result<DataSet, IoError> {
+    let path = path.as_ref();
+    let bytes = std::fs::read(path).map_err(|source| IoError::Read { path: path.to_owned(), source })?;
+    read_bytes(&bytes).map_err(|fault| fault.in_file(path))
+}
+
+pub(super) fn read_bytes(bytes: &[u8]) -> Result<DataSet, Fault> {
+    const KNOWN: &str = "a serial VTK XML file or a legacy .vtk file";
+    if bytes.starts_with(b"# vtk DataFile") {
+        return legacy::read(bytes);
+    }
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    if start.starts_with(b"<") {
+        return xml::read(bytes);
+    }
+    let fault = |found: &str| Err(Fault::unsupported(Place::File, found, KNOWN));
+    if bytes.is_empty() {
+        return Err(Fault::new(Place::File, "an empty file", KNOWN));
+    }
+    if bytes.starts_with(b"\x89HDF") {
+        return fault("an HDF5 file");
+    }
+    if bytes.starts_with(b"\x1f\x8b") {
+        return fault("a gzip file");
+    }
+    fault("a file of unknown format")
+}

@@ -1,0 +1,12 @@
+//! VTK XML files.
+
+mod base64;
+mod blocks;
+mod document;
+mod merge;
+mod payload;
+mod piece;
+mod write;
+
+pub(super) use piece::read;
+pub(super) use write::write;
