@@ -2,4 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stderr, clippy::print_stdout)]
 
 mod mesh;
+mod monotone;
+mod datasets;
+mod house;
 mod support;
