@@ -78,6 +78,12 @@ impl CsrMatrix {
         Ok(Self { rows, columns, offsets, indices, values })
     }
 
+    /// Wraps arrays that are known to be in order.
+    pub(crate) fn from_parts(rows: usize, columns: usize, offsets: Vec<u32>, indices: Vec<u32>, values: Vec<f64>) -> Self {
+        debug_assert_eq!((offsets.len(), indices.len()), (rows + 1, values.len()));
+        Self { rows, columns, offsets, indices, values }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.rows
