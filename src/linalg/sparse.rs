@@ -79,7 +79,7 @@ impl CsrMatrix {
     }
 
     /// Wraps arrays that are known to be in order.
-    pub(super) fn from_parts(rows: usize, columns: usize, offsets: Vec<u32>, indices: Vec<u32>, values: Vec<f64>) -> Self {
+    pub(crate) fn from_parts(rows: usize, columns: usize, offsets: Vec<u32>, indices: Vec<u32>, values: Vec<f64>) -> Self {
         debug_assert_eq!((offsets.len(), indices.len()), (rows + 1, values.len()));
         Self { rows, columns, offsets, indices, values }
     }

@@ -59,7 +59,7 @@ pub enum MeshError {
     /// More than 32-bit numbers can name.
     #[error("{found} {what}; at most {} can be handled", u32::MAX)]
     TooLarge {
-        /// Vertices, corners of simplices, or ends of edges.
+        /// Vertices, corners of simplices, or vertices and ends of edges.
         what: &'static str,
         /// How many there are.
         found: usize,
@@ -127,7 +127,8 @@ impl SimplicialComplex {
     ) -> Result<Self, MeshError> {
         let stride = dimension + 1;
         let edges = incidence::edges(&star, stride, &simplices);
-        check_size("ends of edges", edges.len() * 2)?;
+        // As many entries as a matrix with an entry for every vertex and two for every edge has.
+        check_size("vertices and ends of edges", points.len() + edges.len() * 2)?;
         let triangles = if dimension == 1 { Vec::new() } else { incidence::triangles(&star, stride, &simplices) };
         let (neighbour_offsets, neighbours, incident_edges) = incidence::adjacency(points.len(), &edges);
         Ok(Self { dimension, points, simplices, edges, triangles, neighbour_offsets, neighbours, incident_edges, star })

@@ -12,8 +12,8 @@ pub const ZERO_MEASURE: f64 = 1e-14;
 impl SimplicialComplex {
     /// Length, area or volume of a top simplex, never negative, in `[length^dimension]`.
     pub fn measure(&self, simplex: usize) -> f64 {
-        let (ratio, longest) = self.ratio_and_longest_edge(simplex);
-        ratio * longest.powi(self.dimension() as i32)
+        let size = self.size(simplex);
+        size.measure * size.scale.powi(self.dimension() as i32)
     }
 
     /// Measure of a top simplex over its longest edge to the power of the dimension; no unit, 0 to 1.
@@ -21,7 +21,7 @@ impl SimplicialComplex {
     /// Differences of coordinates are scaled before they are multiplied, so that neither 1e-120 nor 1e120 is lost.
     /// A simplex whose points coincide has ratio 0, and so has one with a coordinate that is not finite.
     pub fn measure_ratio(&self, simplex: usize) -> f64 {
-        self.ratio_and_longest_edge(simplex).0
+        self.size(simplex).ratio(self.dimension())
     }
 
     /// The first top simplex of zero measure (see [`ZERO_MEASURE`]) and its ratio.
@@ -42,7 +42,8 @@ impl SimplicialComplex {
         ratios.map(|simplex| (simplex, self.measure_ratio(simplex))).filter(|&(_, ratio)| ratio < ZERO_MEASURE).collect()
     }
 
-    fn ratio_and_longest_edge(&self, simplex: usize) -> (f64, f64) {
+    /// Measure and longest edge of a top simplex whose coordinates are scaled to about 1.
+    pub(crate) fn size(&self, simplex: usize) -> Size {
         let corners = self.simplex(simplex);
         let at = |corner: usize| self.points()[corners[corner] as usize];
         let mut sides = [[0.0; 3]; 3];
@@ -50,9 +51,6 @@ impl SimplicialComplex {
             *slot = minus(at(side + 1), at(0));
         }
         let scale = sides.iter().flatten().fold(0.0f64, |most, side| most.max(side.abs()));
-        if !(scale > 0.0 && scale.is_finite()) {
-            return (0.0, 0.0);
-        }
         let [a, b, c] = sides.map(|side| side.map(|part| part / scale));
         let (measure, longest) = match self.dimension() {
             1 => (norm(a), norm(a)),
@@ -62,9 +60,30 @@ impl SimplicialComplex {
                 (dot(cross(a, b), c).abs() / 6.0, sides.map(norm).into_iter().fold(0.0, f64::max))
             }
         };
-        let ratio = measure / longest.powi(self.dimension() as i32);
-        // A NaN coordinate hides from max(); it must not pass as a measure.
-        if ratio.is_finite() { (ratio, longest * scale) } else { (0.0, 0.0) }
+        // Points that coincide divide 0 by 0, and a NaN coordinate hides from max(); neither may pass as a measure.
+        if scale > 0.0 && measure.is_finite() && longest.is_finite() {
+            Size { measure, longest, scale }
+        } else {
+            Size { measure: 0.0, longest: 1.0, scale: 0.0 }
+        }
+    }
+}
+
+/// The size of a simplex, in a unit of its own.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Size {
+    /// Length, area or volume, in `scale^dimension`.
+    pub measure: f64,
+    /// Longest edge, in `scale`.
+    pub longest: f64,
+    /// The unit: the greatest difference of two coordinates of one axis between the first corner and another.
+    pub scale: f64,
+}
+
+impl Size {
+    /// Measure over longest edge to the power of the dimension.
+    pub fn ratio(self, dimension: usize) -> f64 {
+        self.measure / self.longest.powi(dimension as i32)
     }
 }
 
