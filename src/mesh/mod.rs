@@ -1,5 +1,32 @@
-//! Simplicial complexes of dimension 1, 2 and 3.
+//! Domains: cells and grids of a file, masked and subdivided into a simplicial complex of dimension 1, 2 or 3.
+//!
+//! [`Domain`] is the way in: it keeps the way back from vertices to the user's points and from simplices to the user's
+//! cells, and notes what it handled. [`faults`] lists everything that is wrong with a domain, [`check`] the first thing
+//! that stands in the way of a computation.
+//!
+//! What is handled: several components, boundary, any genus, non-manifold edges, faces and vertices, unoriented
+//! meshes, duplicate cells and points, collapsed cells, unreferenced points, cells of lower dimension. What is
+//! refused: coordinates that are not finite, simplices of zero measure, cells without a linear subdivision.
 
+mod build;
+mod cells;
 mod complex;
+mod domain;
+mod error;
+mod fault;
+mod faults;
+mod grid;
+mod incidence;
+mod measure;
+mod polygon;
+mod subdivide;
 
+pub use cells::{CellList, CellShape};
 pub use complex::{EdgeId, MeshError, SimplicialComplex, TriangleId};
+pub use domain::{Domain, Mask};
+pub use error::DomainError;
+pub use fault::{MeshFault, Severity};
+pub use faults::{check, faults};
+pub use grid::{Grid, GridGeometry};
+pub use measure::ZERO_MEASURE;
+pub(crate) use measure::{cross, dot, minus, norm};

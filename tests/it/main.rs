@@ -1,4 +1,5 @@
 //! One test binary that mirrors `src/`.
 #![allow(clippy::unwrap_used, clippy::print_stderr, clippy::print_stdout)]
 
+mod mesh;
 mod support;

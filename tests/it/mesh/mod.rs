@@ -1,0 +1,3 @@
+//! The module `mesh`.
+
+mod timing;
