@@ -1,0 +1,149 @@
+//! `vtk_probe FILES OUT`: reads every file of a folder, tells what it found as JSON, and writes it back in every form.
+//! `roundtrip.py` compares the outcome with what real VTK makes of the same files.
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
+
+use std::path::Path;
+use std::time::Instant;
+
+use morsmooth::io::{self, ArrayData, Attributes, CellArray, Compression, DataArray, DataSet, Geometry};
+use serde_json::{Map, Value, json};
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["--time", file, copy] => time(file, copy),
+        [files, out] => probe(Path::new(files), Path::new(out)),
+        _ => panic!("usage: vtk_probe FILES OUT, or vtk_probe --time FILE COPY"),
+    }
+}
+
+/// Best of five, so that the state of the disk cache does not count.
+fn time(file: &str, copy: &str) {
+    let best = |run: &mut dyn FnMut()| {
+        (0..5)
+            .map(|_| {
+                let start = Instant::now();
+                run();
+                start.elapsed().as_secs_f64()
+            })
+            .fold(f64::INFINITY, f64::min)
+    };
+    let read = best(&mut || drop(io::read(file).unwrap()));
+    let dataset = io::read(file).unwrap();
+    let write = best(&mut || io::write(copy, &dataset).unwrap());
+    let pack = best(&mut || io::write_temporary_with(copy, &dataset, Compression::Zlib).unwrap().commit().unwrap());
+    println!("read {read:.5} s, write {write:.5} s, write zlib {pack:.5} s");
+}
+
+fn probe(files: &Path, out: &Path) {
+    for form in ["json", "raw", "zlib", "legacy"] {
+        std::fs::create_dir_all(out.join(form)).unwrap();
+    }
+    let entries = std::fs::read_dir(files).unwrap().map(|entry| entry.unwrap().path());
+    let mut names: Vec<String> = entries
+        .filter(|path| path.is_file())
+        .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
+        .collect();
+    names.sort();
+    for name in names {
+        let result = std::panic::catch_unwind(|| one(files, out, &name));
+        match result {
+            Ok(Ok(())) => println!("read\t{name}"),
+            Ok(Err(error)) => println!("refused\t{name}\t{error}"),
+            Err(_) => println!("panic\t{name}"),
+        }
+    }
+}
+
+fn one(files: &Path, out: &Path, name: &str) -> Result<(), io::IoError> {
+    let path = files.join(name);
+    let dataset = io::read(&path)?;
+    std::fs::write(out.join("json").join(format!("{name}.json")), describe(&dataset).to_string()).unwrap();
+    // The whole name, because one source is there in several forms.
+    let native = format!("{name}.{}", dataset.geometry.extension());
+    io::write(out.join("raw").join(&native), &dataset)?;
+    io::write_temporary_with(out.join("zlib").join(&native), &dataset, Compression::Zlib)?.commit()?;
+    let again = io::read(out.join("zlib").join(&native))?;
+    let same = DataSet { title: dataset.title.clone(), version: dataset.version, ..again };
+    assert_eq!(format!("{same:?}"), format!("{dataset:?}"), "{name} changed on its way through XML");
+    match io::write(out.join("legacy").join(format!("{name}.vtk")), &dataset) {
+        Err(io::IoError::Unwritable { found, .. }) if found.contains("rotated axes") => Ok(()),
+        other => other,
+    }
+}
+
+fn describe(dataset: &DataSet) -> Value {
+    let mut object = Map::new();
+    object.insert("type".into(), dataset.geometry.name().into());
+    object.insert("point".into(), attributes(&dataset.point_data));
+    object.insert("cell".into(), attributes(&dataset.cell_data));
+    object.insert("field".into(), dataset.field_data.iter().map(|array| (array.name.clone(), values(array))).collect());
+    let mut put = |key: &str, value: Value| object.insert(key.into(), value);
+    match &dataset.geometry {
+        Geometry::ImageData { extent, origin, spacing, direction } => {
+            put("extent", json!(extent.0));
+            put("origin", json!(origin));
+            put("spacing", json!(spacing));
+            put("dir", json!(direction));
+        }
+        Geometry::RectilinearGrid { extent, coordinates } => {
+            put("extent", json!(extent.0));
+            for (axis, array) in ["x", "y", "z"].iter().zip(coordinates.iter()) {
+                put(axis, values(array));
+            }
+        }
+        Geometry::StructuredGrid { extent, points } => {
+            put("extent", json!(extent.0));
+            put("points", values(points));
+        }
+        Geometry::PolyData { points, verts, lines, polys, strips } => {
+            put("points", values(points));
+            for (name, list) in [("verts", verts), ("lines", lines), ("polys", polys), ("strips", strips)] {
+                put(name, cells(list));
+            }
+        }
+        Geometry::UnstructuredGrid { points, cells: list, types, polyhedra } => {
+            put("points", values(points));
+            put("cells", cells(list));
+            put("types", json!(types));
+            put("poly", polyhedra.is_some().into());
+        }
+    }
+    Value::Object(object)
+}
+
+fn attributes(attributes: &Attributes) -> Value {
+    attributes.arrays.iter().map(|array| (array.name.clone(), values(array))).collect()
+}
+
+fn cells(list: &CellArray) -> Value {
+    if list.is_empty() { Value::Null } else { json!({ "c": list.connectivity, "o": list.offsets[1..] }) }
+}
+
+fn float(value: f64) -> Value {
+    match value {
+        value if value.is_nan() => "nan".into(),
+        f64::INFINITY => "inf".into(),
+        f64::NEG_INFINITY => "-inf".into(),
+        value => value.into(),
+    }
+}
+
+fn values(array: &DataArray) -> Value {
+    let (name, list) = match &array.data {
+        ArrayData::I8(values) => ("I8", json!(values)),
+        ArrayData::U8(values) => ("U8", json!(values)),
+        ArrayData::I16(values) => ("I16", json!(values)),
+        ArrayData::U16(values) => ("U16", json!(values)),
+        ArrayData::I32(values) => ("I32", json!(values)),
+        ArrayData::U32(values) => ("U32", json!(values)),
+        ArrayData::I64(values) => ("I64", json!(values)),
+        ArrayData::U64(values) => ("U64", json!(values)),
+        ArrayData::F32(values) => ("F32", values.iter().map(|&value| float(value.into())).collect()),
+        ArrayData::F64(values) => ("F64", values.iter().map(|&value| float(value)).collect()),
+        ArrayData::Bit(values) => ("Bit", values.iter().map(|&bit| u8::from(bit)).collect()),
+        ArrayData::String(_) => ("string", json!(array.to_texts())),
+        _ => ("?", Value::Null),
+    };
+    json!({ "t": name, "n": array.components, "v": list })
+}
