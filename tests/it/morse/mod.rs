@@ -1,0 +1,10 @@
+//! Discrete Morse theory: theorems, and two roads to everything.
+
+mod brute;
+mod complex;
+mod gradient;
+pub mod meshes;
+mod pairs;
+mod real;
+mod selection;
+mod simplify;
