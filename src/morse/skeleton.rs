@@ -51,11 +51,7 @@ pub fn separatrices(minima: &ExtremumGraph<'_>, maxima: &ExtremumGraph<'_>) -> S
     let mut saddles: Vec<VertexId> = joins.chain(essential.map(|(&vertex, _)| vertex)).collect();
     saddles.sort_unstable();
     saddles.dedup();
-    Separatrices {
-        descending: paths(minima, &below, &saddles),
-        ascending: paths(maxima, &above, &saddles),
-        saddles,
-    }
+    Separatrices { descending: paths(minima, &below, &saddles), ascending: paths(maxima, &above, &saddles), saddles }
 }
 
 /// Critical edges at a vertex before simplification.
@@ -83,7 +79,7 @@ fn paths(graph: &ExtremumGraph<'_>, saddles: &[Saddle], chosen: &[VertexId]) -> 
     let of_saddles = saddles
         .iter()
         .filter(|saddle| chosen.binary_search(&saddle.vertex).is_ok())
-        .flat_map(|saddle| saddle.separatrices.iter().cloned());
+        .flat_map(|saddle| graph.separatrices(saddle));
     let of_others = chosen.iter().filter(|vertex| !critical.contains(vertex)).map(|&vertex| graph.path(vertex));
     let mut paths: Vec<Vec<VertexId>> = of_saddles.chain(of_others).filter(|path| is_simple(path)).collect();
     paths.sort_unstable();

@@ -16,8 +16,7 @@ use morsmooth::audit;
 use morsmooth::field::VertexOrder;
 use morsmooth::mesh::SimplicialComplex;
 use morsmooth::morse::{
-    ExtremumGraph, ExtremumKind, ExtremumPair, MorseComplex, Selection, Threshold, extremum_pairs, select,
-    separatrices,
+    ExtremumGraph, ExtremumKind, ExtremumPair, MorseComplex, Selection, Threshold, extremum_pairs, select, separatrices,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -128,8 +127,7 @@ fn noise(sizes: &[usize]) -> Result<(SimplicialComplex, Vec<f64>), Box<dyn Error
         (state >> 11) as f64
     });
     let values = values.collect();
-    let complex = timed("explicit complex", || {
-        SimplicialComplex::new(sizes.len(), vec![[0.0; 3]; nx * ny * nz], simplices)
-    })?;
+    let complex =
+        timed("explicit complex", || SimplicialComplex::new(sizes.len(), vec![[0.0; 3]; nx * ny * nz], simplices))?;
     Ok((complex, values))
 }

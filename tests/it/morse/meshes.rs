@@ -58,7 +58,8 @@ pub fn sphere(size: usize) -> SimplicialComplex {
         }
     }
     faces.sort_unstable();
-    let rim = faces.iter().filter(|face| faces.partition_point(|f| f <= face) - faces.partition_point(|f| f < face) == 1);
+    let rim =
+        faces.iter().filter(|face| faces.partition_point(|f| f <= face) - faces.partition_point(|f| f < face) == 1);
     let rim: Vec<u32> = rim.flatten().copied().collect();
     let mut used = rim.clone();
     used.sort_unstable();

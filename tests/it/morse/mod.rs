@@ -5,6 +5,5 @@ mod complex;
 mod gradient;
 pub mod meshes;
 mod pairs;
-mod real;
 mod selection;
 mod simplify;

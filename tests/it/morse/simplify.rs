@@ -49,11 +49,12 @@ fn check_graph(complex: &SimplicialComplex, graph: &ExtremumGraph<'_>, wanted: &
     let successors = graph.successors();
     for saddle in graph.saddles() {
         let ends = complex.edges()[saddle.edge.0 as usize];
-        for separatrix in &saddle.separatrices {
+        let separatrices = graph.separatrices(&saddle);
+        for separatrix in &separatrices {
             assert_eq!(separatrix[0], saddle.vertex);
             assert!(wanted.binary_search(separatrix.last().unwrap()).is_ok());
         }
-        let [own, across] = &saddle.separatrices;
+        let [own, across] = &separatrices;
         assert_is_path(complex, own);
         assert!(ends.contains(&across[0]) && ends.contains(&across[1]));
         assert!(own.windows(2).chain(across[1..].windows(2)).all(|s| successors[s[0].index()] == Some(s[1])));

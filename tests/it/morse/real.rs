@@ -1,1 +1,0 @@
-//! The program that dumps pairs, and its use with real fields, is `tools/examples/extremum_pairs.rs`.
