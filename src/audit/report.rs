@@ -145,10 +145,9 @@ pub fn audit(complex: &SimplicialComplex, values: &[f64], wanted: &Wanted<'_>) -
     let found = extrema(complex, values)?;
     let plateaus = strict_extrema(complex, values)?.plateaus;
     let (mut missing, mut spurious, mut moved) = (Vec::new(), Vec::new(), Vec::new());
-    for (kind, found, wanted) in [
-        (ExtremumType::Minimum, &found.minima, wanted.minima),
-        (ExtremumType::Maximum, &found.maxima, wanted.maxima),
-    ] {
+    for (kind, found, wanted) in
+        [(ExtremumType::Minimum, &found.minima, wanted.minima), (ExtremumType::Maximum, &found.maxima, wanted.maxima)]
+    {
         let mut asked: Vec<VertexId> = wanted.iter().map(|&(vertex, _)| vertex).collect();
         asked.sort_unstable();
         asked.dedup();

@@ -10,8 +10,8 @@ use super::forest::Forest;
 use super::gradient::{Cell, DiscreteGradient, discrete_gradient};
 use super::pairs::ExtremumKind;
 
-/// A critical edge and the V-paths from it to extrema.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A critical edge, from whose ends V-paths lead to two extrema or twice to the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Saddle {
     /// The critical edge.
     pub edge: EdgeId,
@@ -19,9 +19,6 @@ pub struct Saddle {
     pub vertex: VertexId,
     /// Whether the saddle joins two extrema that nothing below (above) it joins. Otherwise it closes a cycle.
     pub joins: bool,
-    /// The separatrices, each from `vertex` to an extremum, both ends included. The second one crosses the critical
-    /// edge with its first step.
-    pub separatrices: [Vec<VertexId>; 2],
 }
 
 /// A cancelled pair.
@@ -53,11 +50,9 @@ pub struct ExtremumGraph<'a> {
 
 /// What joins at a critical edge.
 struct Junction {
-    edge: EdgeId,
-    vertex: VertexId,
+    saddle: Saddle,
     /// The extremum that dies here, if any.
     dies: Option<VertexId>,
-    joins: bool,
 }
 
 impl<'a> ExtremumGraph<'a> {
@@ -68,11 +63,7 @@ impl<'a> ExtremumGraph<'a> {
     ///
     /// # Cost
     /// As [`discrete_gradient`].
-    pub fn new(
-        complex: &'a SimplicialComplex,
-        order: &'a VertexOrder,
-        kind: ExtremumKind,
-    ) -> Result<Self, MorseError> {
+    pub fn new(complex: &'a SimplicialComplex, order: &'a VertexOrder, kind: ExtremumKind) -> Result<Self, MorseError> {
         let order = kind.descending(order);
         let gradient = discrete_gradient(complex, &order)?;
         Ok(Self { complex, kind, order, gradient, cancellations: Vec::new() })
@@ -115,29 +106,30 @@ impl<'a> ExtremumGraph<'a> {
             .collect()
     }
 
-    /// The saddles that are left, with their separatrices, lowest first (for maxima: highest first).
-    ///
-    /// The two separatrices of a saddle that joins end at different extrema and share its vertex only. Those of
-    /// different saddles merge where they meet: outside saddles every vertex has one successor.
+    /// The saddles that are left, lowest first (for maxima: highest first).
     ///
     /// # Cost
-    /// Linear in the sum of the lengths of the separatrices.
+    /// Linear in the number of vertices, and a sort of the saddles.
     pub fn saddles(&self) -> Vec<Saddle> {
-        let junctions = self.junctions(|_| true);
-        junctions.into_iter().map(|junction| self.saddle(&junction)).collect()
+        self.junctions(|_| true).into_iter().map(|junction| junction.saddle).collect()
     }
 
-    fn saddle(&self, junction: &Junction) -> Saddle {
-        let [a, b] = self.complex.edges()[junction.edge.0 as usize];
-        let other = if a == junction.vertex { b } else { a };
-        let mut across = vec![junction.vertex];
-        across.extend(self.path(other));
-        Saddle {
-            edge: junction.edge,
-            vertex: junction.vertex,
-            joins: junction.joins,
-            separatrices: [self.path(junction.vertex), across],
-        }
+    /// The two separatrices of a saddle, each from its vertex to an extremum, both ends included. The second one crosses
+    /// the critical edge with its first step.
+    ///
+    /// Those of a saddle that joins end at different extrema and share its vertex only. Those of different saddles merge
+    /// where they meet: but for that first step, every vertex has one [successor](Self::successors).
+    ///
+    /// # Arguments
+    /// * `saddle`: one of [`saddles`](Self::saddles).
+    ///
+    /// # Cost
+    /// Linear in their lengths, which in a simplified field may be much of the domain.
+    pub fn separatrices(&self, saddle: &Saddle) -> [Vec<VertexId>; 2] {
+        let [a, b] = self.complex.edges()[saddle.edge.0 as usize];
+        let mut across = vec![saddle.vertex];
+        across.extend(self.path(if a == saddle.vertex { b } else { a }));
+        [self.path(saddle.vertex), across]
     }
 
     /// Cancels every extremum but the wanted ones, in order of persistence.
@@ -179,8 +171,9 @@ impl<'a> ExtremumGraph<'a> {
             .into_iter()
             .filter_map(|junction| {
                 let extremum = junction.dies?;
-                let persistence = (values[junction.vertex.index()] - values[extremum.index()]).abs();
-                Some(Cancellation { extremum, saddle: junction.edge, saddle_vertex: junction.vertex, persistence })
+                let Saddle { edge, vertex, .. } = junction.saddle;
+                let persistence = (values[vertex.index()] - values[extremum.index()]).abs();
+                Some(Cancellation { extremum, saddle: edge, saddle_vertex: vertex, persistence })
             })
             .collect();
         let left = self.extrema().len() - planned.len();
@@ -233,8 +226,9 @@ impl<'a> ExtremumGraph<'a> {
         let mut junctions = Vec::with_capacity(edges.len());
         for (_, _, edge, low, vertex) in edges {
             let mut roots = [low, vertex].map(|end| forest.root(extremum_of[end.index()]));
-            let mut junction = Junction { edge, vertex, dies: None, joins: roots[0] != roots[1] };
-            if junction.joins {
+            let joins = roots[0] != roots[1];
+            let mut junction = Junction { saddle: Saddle { edge, vertex, joins }, dies: None };
+            if joins {
                 let age = |root: u32| {
                     let extremum = extrema[root as usize];
                     (!eternal(extremum), order.rank(extremum))

@@ -169,10 +169,11 @@ impl DiscreteGradient {
     /// The critical cells of one dimension by rising number; none above the dimension of the complex.
     pub fn critical_cells(&self, dimension: usize) -> impl Iterator<Item = Cell> {
         let cells = self.partners.get(dimension).map_or(&[][..], Vec::as_slice);
-        cells.iter().enumerate().filter(|&(_, &partner)| partner == CRITICAL).map(move |(index, _)| Cell {
-            dimension: dimension as u8,
-            index: index as u32,
-        })
+        cells
+            .iter()
+            .enumerate()
+            .filter(|&(_, &partner)| partner == CRITICAL)
+            .map(move |(index, _)| Cell { dimension: dimension as u8, index: index as u32 })
     }
 
     /// Number of critical cells by dimension.

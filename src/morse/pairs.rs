@@ -81,8 +81,9 @@ impl ExtremumPair {
 /// If `order` is of another number of vertices.
 ///
 /// # Cost
-/// Linear up to the inverse Ackermann function and a sort of the saddles; about 12 bytes a vertex. Parallel but for
-/// one linear pass and the union–find on the saddles; the result does not depend on the number of threads.
+/// Linear up to a sort of the vertices where basins meet and the inverse Ackermann function; 8 bytes a vertex and 12 for
+/// each such vertex. Parallel but for linear passes and the union–find on basins; the result does not depend on the
+/// number of threads.
 ///
 /// # Source
 /// Edelsbrunner, Letscher, Zomorodian 2002; union–find as in Edelsbrunner and Harer 2010, section VII.2.
@@ -110,46 +111,35 @@ pub fn extremum_pairs(complex: &SimplicialComplex, order: &VertexOrder, kind: Ex
 }
 
 /// Pairs of the minima of `order` on any graph; implicit grids give their neighbours without storing them.
+///
+/// Vertices are visited by index wherever that is possible: neighbours are near in memory then, in the order of a noisy
+/// field they are not.
 fn minimum_pairs<I: Iterator<Item = VertexId>>(
     order: &VertexOrder,
     kind: ExtremumKind,
     neighbours: impl Fn(VertexId) -> I + Sync,
 ) -> Vec<ExtremumPair> {
-    let basins = basins(order, &neighbours);
-    let minima: Vec<VertexId> = order
-        .sequence()
-        .iter()
-        .copied()
-        .filter(|&vertex| basins[vertex.index()] == order.rank(vertex) && neighbours(vertex).next().is_some())
-        .collect();
-    // Of a minimum, by rank, its place in `minima`.
-    let mut number = vec![NOT_A_MINIMUM; order.len()];
-    for (place, &minimum) in minima.iter().enumerate() {
-        number[order.rank(minimum) as usize] = place as u32;
-    }
+    let Basins { minima, basin } = basins(order, &neighbours);
     let mut forest = Forest::new(minima.len());
     let mut saddles = vec![None; minima.len()];
-    let mut meeting = Vec::new();
-    for vertex in basin_borders(order, &basins, &neighbours) {
-        meeting.clear();
-        for below in neighbours(vertex).filter(|&neighbour| order.is_below(neighbour, vertex)) {
-            meeting.push(forest.root(number[basins[below.index()] as usize]));
-        }
-        meeting.sort_unstable();
-        meeting.dedup();
-        // Minima are numbered by rank: the first is the eldest and lives on.
-        for &younger in &meeting[1..] {
-            saddles[younger as usize] = Some(vertex);
-            forest.attach(younger, meeting[0]);
+    for (rank, one, other) in passes(order, &basin, &neighbours) {
+        let (one, other) = (forest.root(one), forest.root(other));
+        if one != other {
+            // Minima are numbered by rank: the one of lower number is the elder and lives on.
+            let (elder, younger) = (one.min(other), one.max(other));
+            saddles[younger as usize] = Some(order.sequence()[rank as usize]);
+            forest.attach(younger, elder);
         }
     }
     // The name must be the same for minima and maxima, so it is the lowest vertex of all, not of the minima.
     let mut component = vec![VertexId(u32::MAX); minima.len()];
-    for (vertex, &basin) in basins.iter().enumerate() {
-        if number[basin as usize] != NOT_A_MINIMUM {
-            let name = &mut component[forest.root(number[basin as usize]) as usize];
-            *name = (*name).min(VertexId::from(vertex));
-        }
+    for (vertex, &basin) in basin.iter().enumerate().filter(|&(_, &basin)| basin != NO_BASIN) {
+        let name = &mut component[basin as usize];
+        *name = (*name).min(VertexId::from(vertex));
+    }
+    for place in 0..minima.len() {
+        let root = forest.root(place as u32) as usize;
+        component[root] = component[root].min(component[place]);
     }
     let mut pairs = Vec::with_capacity(minima.len());
     for (place, &extremum) in minima.iter().enumerate() {
@@ -159,38 +149,68 @@ fn minimum_pairs<I: Iterator<Item = VertexId>>(
     pairs
 }
 
-const NOT_A_MINIMUM: u32 = u32::MAX;
+const NO_BASIN: u32 = u32::MAX;
 
-/// For every vertex the rank of the minimum at the end of its path of steepest descent in rank.
-fn basins<I: Iterator<Item = VertexId>>(order: &VertexOrder, neighbours: &(impl Fn(VertexId) -> I + Sync)) -> Vec<u32> {
-    let mut basins: Vec<u32> = (0..order.len())
+/// The minima by rank, and for every vertex the number of the one in which steepest descent ends.
+struct Basins {
+    minima: Vec<VertexId>,
+    /// `NO_BASIN` for vertices without neighbours.
+    basin: Vec<u32>,
+}
+
+fn basins<I: Iterator<Item = VertexId>>(order: &VertexOrder, neighbours: &(impl Fn(VertexId) -> I + Sync)) -> Basins {
+    let steepest: Vec<VertexId> = (0..order.len())
         .into_par_iter()
         .map(|vertex| {
             let vertex = VertexId::from(vertex);
-            neighbours(vertex).map(|neighbour| order.rank(neighbour)).fold(order.rank(vertex), u32::min)
+            neighbours(vertex).fold(vertex, |low, next| if order.is_below(next, low) { next } else { low })
         })
         .collect();
-    for &vertex in order.sequence() {
-        let below = order.sequence()[basins[vertex.index()] as usize];
-        basins[vertex.index()] = basins[below.index()];
+    let is_minimum = |&vertex: &VertexId| steepest[vertex.index()] == vertex && neighbours(vertex).next().is_some();
+    let mut minima: Vec<VertexId> = (0..order.len()).into_par_iter().map(VertexId::from).filter(is_minimum).collect();
+    minima.par_sort_unstable_by_key(|&vertex| order.rank(vertex));
+    let mut basin = vec![NO_BASIN; order.len()];
+    for (place, minimum) in minima.iter().enumerate() {
+        basin[minimum.index()] = place as u32;
     }
-    basins
+    let mut path = Vec::new();
+    for start in 0..order.len() {
+        let mut vertex = VertexId::from(start);
+        while basin[vertex.index()] == NO_BASIN && steepest[vertex.index()] != vertex {
+            path.push(vertex);
+            vertex = steepest[vertex.index()];
+        }
+        for passed in path.drain(..) {
+            basin[passed.index()] = basin[vertex.index()];
+        }
+    }
+    Basins { minima, basin }
 }
 
-/// Vertices whose lower neighbours lie in more than one basin, lowest first: all vertices where components may join.
-fn basin_borders<I: Iterator<Item = VertexId>>(
+/// Where basins meet: the rank of a vertex, its basin, and another basin among its lower neighbours; by rising rank.
+///
+/// Components of sublevel sets join only there: all lower neighbours of any other vertex are in one component already.
+fn passes<I: Iterator<Item = VertexId>>(
     order: &VertexOrder,
-    basins: &[u32],
+    basin: &[u32],
     neighbours: &(impl Fn(VertexId) -> I + Sync),
-) -> Vec<VertexId> {
-    order
-        .sequence()
-        .par_iter()
-        .copied()
-        .filter(|&vertex| {
-            let own = basins[vertex.index()];
-            neighbours(vertex)
-                .any(|neighbour| order.is_below(neighbour, vertex) && basins[neighbour.index()] != own)
+) -> Vec<(u32, u32, u32)> {
+    let mut passes: Vec<(u32, u32, u32)> = (0..order.len())
+        .into_par_iter()
+        .fold(Vec::new, |mut passes, vertex| {
+            let vertex = VertexId::from(vertex);
+            let (rank, own) = (order.rank(vertex), basin[vertex.index()]);
+            for below in neighbours(vertex).filter(|&neighbour| order.rank(neighbour) < rank) {
+                let pass = (rank, own, basin[below.index()]);
+                if pass.2 != own && passes.last() != Some(&pass) {
+                    passes.push(pass);
+                }
+            }
+            passes
         })
-        .collect()
+        .flatten_iter()
+        .collect();
+    // Passes that are listed twice are the same in every respect, so an unstable sort has one possible result.
+    passes.par_sort_unstable();
+    passes
 }

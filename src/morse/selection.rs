@@ -27,11 +27,7 @@ impl Threshold {
             Self::Fraction(fraction) => (fraction, fraction * range),
             Self::Absolute(value) => (value, value),
         };
-        if given >= 0.0 && resolved.is_finite() {
-            Ok(resolved)
-        } else {
-            Err(MorseError::Threshold { found: given })
-        }
+        if given >= 0.0 && resolved.is_finite() { Ok(resolved) } else { Err(MorseError::Threshold { found: given }) }
     }
 }
 
@@ -80,11 +76,8 @@ pub fn range(minima: &[ExtremumPair], maxima: &[ExtremumPair], values: &[f64]) -
 /// # Cost
 /// O(p log c) for p pairs and c components.
 pub fn reported_persistences(pairs: &[ExtremumPair], opposite: &[ExtremumPair], values: &[f64]) -> Vec<f64> {
-    let mut essential: Vec<(VertexId, VertexId)> = opposite
-        .iter()
-        .filter(|pair| pair.is_essential())
-        .map(|pair| (pair.component, pair.extremum))
-        .collect();
+    let mut essential: Vec<(VertexId, VertexId)> =
+        opposite.iter().filter(|pair| pair.is_essential()).map(|pair| (pair.component, pair.extremum)).collect();
     essential.sort_unstable();
     let across = |pair: &ExtremumPair| {
         let place = essential.binary_search_by_key(&pair.component, |&(component, _)| component);
@@ -148,9 +141,8 @@ fn by_count(
     let persistence = |pair: &ExtremumPair| pair.persistence(values).unwrap_or(f64::INFINITY);
     // Stable: pairs come by rank, so equal persistences stay in that order.
     pairs.sort_by(|a, b| persistence(b).total_cmp(&persistence(a)));
-    let of_kind = |kind: ExtremumKind| {
-        pairs[..count].iter().filter(|pair| pair.kind == kind).map(|pair| pair.extremum).collect()
-    };
+    let of_kind =
+        |kind: ExtremumKind| pairs[..count].iter().filter(|pair| pair.kind == kind).map(|pair| pair.extremum).collect();
     Ok(WantedExtrema { minima: of_kind(ExtremumKind::Minimum), maxima: of_kind(ExtremumKind::Maximum) })
 }
 

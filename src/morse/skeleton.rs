@@ -1,14 +1,17 @@
 //! The separatrices of a simplified field from both sides: what a function with its extrema has to follow.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use crate::field::VertexId;
 
 use super::extremum_graph::{ExtremumGraph, Saddle};
 
 /// The saddles that remain between wanted extrema, and the vertex paths that lead from them to minima and maxima.
 ///
-/// Every path starts in a saddle. Descending paths merge but never part, except in saddles, and so do ascending ones.
-/// Whether a descending and an ascending path run through two vertices in contradictory order is for the caller to
-/// check: simplification decides about minima and about maxima separately.
+/// Every path starts in a saddle. Descending paths merge but never part, except in saddles, and so do ascending ones;
+/// where all saddles join, as on a disc or a sphere, the descending paths together have no directed cycle, nor have the
+/// ascending ones. Whether a descending and an ascending path run through two vertices in contradictory order is for
+/// the caller to check: simplification decides about minima and about maxima separately.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Separatrices {
     /// The saddles, by rising vertex.
@@ -21,10 +24,10 @@ pub struct Separatrices {
 
 /// Collects the saddles that simplification leaves on both sides, with all their separatrices.
 ///
-/// A vertex remains a saddle if it joins two minima or two maxima that are left, or if it is still critical in both
-/// gradients, as around a hole or a handle. A saddle of one gradient only that merely closes a cycle went with an
-/// extremum of the other kind. A saddle of one side, as on the boundary, gets the one path of the other side that
-/// runs through it, so that every saddle has a vertex below it and one above.
+/// A vertex remains a saddle if it joins two minima or two maxima that are left, or if it is essential: if it closes a
+/// cycle from below and from above that goes around a handle and not around an extremum of the other kind. A saddle of
+/// one side, as on the boundary, gets the one path of the other side that runs through it, so that every saddle has a
+/// vertex below it and one above.
 ///
 /// # Arguments
 /// * `minima`, `maxima`: extremum graphs of one field, simplified to the wanted extrema of either kind.
@@ -36,42 +39,57 @@ pub struct Separatrices {
 /// Weinkauf, Günther, Tierny 2010; Jacobson, Weinkauf, Sorkine 2012, section 3.3.
 pub fn separatrices(minima: &ExtremumGraph<'_>, maxima: &ExtremumGraph<'_>) -> Separatrices {
     let (below, above) = (minima.saddles(), maxima.saddles());
-    let vertices = |saddles: &[Saddle], joins_only: bool| -> Vec<VertexId> {
-        let chosen = saddles.iter().filter(|saddle| saddle.joins || !joins_only);
-        let mut vertices: Vec<VertexId> = chosen.map(|saddle| saddle.vertex).collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        vertices
+    let (tally_below, tally_above) = (tally(minima, &below), tally(maxima, &above));
+    let is_essential = |vertex: VertexId, below: Tally| {
+        // On a surface a cycle that closes below around an extremum splits the set above: each closing edge of one
+        // side answers to a joining edge of the other, cancelled or not. What has no answer on either side is essential.
+        let above = tally_above.get(&vertex).copied().unwrap_or_default();
+        below.closes > above.joins && above.closes > below.joins
     };
-    let (all_below, all_above) = (vertices(&below, false), vertices(&above, false));
-    let mut saddles = vertices(&below, true);
-    saddles.extend(vertices(&above, true));
-    saddles.extend(all_below.iter().filter(|vertex| all_above.binary_search(vertex).is_ok()));
+    let joins = below.iter().chain(&above).filter(|saddle| saddle.joins).map(|saddle| saddle.vertex);
+    let essential = tally_below.iter().filter(|&(&vertex, &below)| is_essential(vertex, below));
+    let mut saddles: Vec<VertexId> = joins.chain(essential.map(|(&vertex, _)| vertex)).collect();
     saddles.sort_unstable();
     saddles.dedup();
-    Separatrices {
-        descending: paths(minima, &below, &all_below, &saddles),
-        ascending: paths(maxima, &above, &all_above, &saddles),
-        saddles,
+    Separatrices { descending: paths(minima, &below, &saddles), ascending: paths(maxima, &above, &saddles), saddles }
+}
+
+/// Critical edges at a vertex before simplification.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tally {
+    joins: usize,
+    closes: usize,
+}
+
+fn tally(graph: &ExtremumGraph<'_>, saddles: &[Saddle]) -> BTreeMap<VertexId, Tally> {
+    let mut tally: BTreeMap<VertexId, Tally> = BTreeMap::new();
+    for saddle in saddles {
+        let at_vertex = tally.entry(saddle.vertex).or_default();
+        *(if saddle.joins { &mut at_vertex.joins } else { &mut at_vertex.closes }) += 1;
     }
+    for cancellation in graph.cancellations() {
+        tally.entry(cancellation.saddle_vertex).or_default().joins += 1;
+    }
+    tally
 }
 
 /// The paths of one side from the chosen vertices, sorted, each once.
-fn paths(
-    graph: &ExtremumGraph<'_>,
-    saddles: &[Saddle],
-    critical: &[VertexId],
-    chosen: &[VertexId],
-) -> Vec<Vec<VertexId>> {
+fn paths(graph: &ExtremumGraph<'_>, saddles: &[Saddle], chosen: &[VertexId]) -> Vec<Vec<VertexId>> {
+    let critical: BTreeSet<VertexId> = saddles.iter().map(|saddle| saddle.vertex).collect();
     let of_saddles = saddles
         .iter()
         .filter(|saddle| chosen.binary_search(&saddle.vertex).is_ok())
-        .flat_map(|saddle| saddle.separatrices.iter().cloned());
-    let of_others =
-        chosen.iter().filter(|vertex| critical.binary_search(vertex).is_err()).map(|&vertex| graph.path(vertex));
-    let mut paths: Vec<Vec<VertexId>> = of_saddles.chain(of_others).filter(|path| path.len() > 1).collect();
+        .flat_map(|saddle| graph.separatrices(saddle));
+    let of_others = chosen.iter().filter(|vertex| !critical.contains(vertex)).map(|&vertex| graph.path(vertex));
+    let mut paths: Vec<Vec<VertexId>> = of_saddles.chain(of_others).filter(|path| is_simple(path)).collect();
     paths.sort_unstable();
     // Two critical edges at one saddle share the path that starts with its own pair.
     paths.dedup();
     paths
+}
+
+/// Whether a path leaves its saddle for good. In a simplified gradient the V-path across a critical edge that closes a
+/// cycle may come back to the saddle; no function is monotone along it.
+fn is_simple(path: &[VertexId]) -> bool {
+    path.len() > 1 && !path[1..].contains(&path[0])
 }

@@ -181,9 +181,7 @@ fn steps<'a>(
 
 /// The cells of dimension k on V-paths from `start`, in an order in which V-paths rise.
 fn topological(complex: &SimplicialComplex, gradient: &DiscreteGradient, start: Cell) -> Vec<Cell> {
-    let followers = |cell: Cell| -> Vec<Cell> {
-        steps(complex, gradient, cell).filter_map(|(_, next)| next).collect()
-    };
+    let followers = |cell: Cell| -> Vec<Cell> { steps(complex, gradient, cell).filter_map(|(_, next)| next).collect() };
     let mut seen: std::collections::HashSet<Cell> = [start].into();
     let mut stack = vec![(start, followers(start))];
     let mut finished = Vec::new();

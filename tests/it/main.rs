@@ -5,4 +5,6 @@ mod mesh;
 mod monotone;
 mod datasets;
 mod house;
+mod audit;
+mod morse;
 mod support;

@@ -1,0 +1,9 @@
+//! Discrete Morse theory: theorems, and two roads to everything.
+
+mod brute;
+mod complex;
+mod gradient;
+pub mod meshes;
+mod pairs;
+mod selection;
+mod simplify;
