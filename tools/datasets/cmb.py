@@ -9,7 +9,8 @@ Usage:  python tools/datasets/cmb.py [OUTPUT]
 One vertex at the centre of each of the 12,288 pixels on the unit sphere (galactic coordinates), triangles of their
 convex hull.
   temperature  mK, difference from the mean sky; the bright band is our galaxy
-  valid        1 where the pixel is clear of galaxy and point sources: a surface with holes, in several pieces
+  valid        0 in our galaxy, the largest connected region that the analysis mask leaves out (the many single
+               masked pixels elsewhere, point sources, stay): what remains are two caps and some islands
 
 The FreeSurfer cortex (cortex.py) would be the textbook example of a measured surface, but the package that ships it
 states its licence as "unknown", so it is derived on demand and not redistributed here. WMAP data products are in the
@@ -17,6 +18,8 @@ public domain as work of a United States agency; NASA asks for the credit that M
 """
 import numpy as np
 import pyvista as pv
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull
 
 import archive
@@ -69,6 +72,15 @@ def ring_centres(side):
     return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
 
 
+def largest_region(triangles, inside):
+    """Vertices of the largest edge-connected set of vertices in `inside`."""
+    edge = np.concatenate([triangles[:, pair] for pair in ((0, 1), (1, 2), (2, 0))])
+    edge = edge[inside[edge].all(1)]
+    n = len(inside)
+    label = connected_components(coo_matrix((np.ones(len(edge)), edge.T), (n, n)), False)[1]
+    return inside & (label == np.bincount(label[inside]).argmax())
+
+
 def main():
     packed = archive.fetch("healpy", "1.20.1", source=True)
     side, temperature = sky(archive.member(packed, "test/data/wmap_band_iqumap_r9_7yr_W_v4_udgraded32.fits"))
@@ -85,10 +97,10 @@ def main():
     triangles = triangles[np.lexsort(triangles.T[::-1])]
     surface = pv.PolyData(centres, np.c_[np.full(len(triangles), 3), triangles].ravel())
     surface.point_data["temperature"] = temperature.astype(np.float32)
-    surface.point_data["valid"] = (mask > 0.5).astype(np.uint8)
+    surface.point_data["valid"] = (~largest_region(triangles, mask < 0.5)).astype(np.uint8)
     surface.set_active_scalars("temperature")
     surface.save(archive.output("cmb.vtp"))
-    print(len(centres), len(triangles), np.ptp(temperature), (mask > 0.5).sum(), "open edges", surface.n_open_edges)
+    print(len(centres), len(triangles), np.ptp(temperature), surface["valid"].sum(), "open edges", surface.n_open_edges)
 
 
 if __name__ == "__main__":
