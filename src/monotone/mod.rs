@@ -1,1 +1,28 @@
-//! To be written.
+//! Functions with controlled extrema: wanted extrema in, a smooth field with exactly those out.
+//!
+//! The steps, each in a file of its own: the *representative function*, any field with exactly the wanted extrema; the
+//! *monotonicity edges*, which take its direction; the *levels*, a strictly feasible field or the two values that contradict;
+//! the *fit*, the convex problem; and the *repair*, which makes the stored numbers strict.
+//!
+//! Literature: Jacobson, Weinkauf, Sorkine 2012, *Smooth shape-aware functions with controlled extrema*, section 3.
+
+mod blocks;
+mod edges;
+mod energy;
+mod fit;
+mod flood;
+mod laplace;
+mod levels;
+mod repair;
+mod representative;
+mod separatrix;
+
+pub use blocks::{st_numbering, unreachable_regions};
+pub use edges::{EdgeSet, MonotonicityEdge, MonotonicityGraph};
+pub use energy::{EnergyWeights, Operators, energy_parts};
+pub use fit::{Fitter, MonotoneConstraints, MonotoneFit};
+pub use flood::{Flooded, flood, has_exactly};
+pub use levels::{Contradiction, Levels, ValueRule, levels, sweep};
+pub use repair::{NotRepresentable, Precision, Repaired, Strictness, repair};
+pub use representative::{Representative, RepresentativeError, Strategy, harmonic, representative};
+pub use separatrix::separatrix;

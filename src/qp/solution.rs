@@ -40,7 +40,7 @@ pub struct Progress {
 ///
 /// With the multipliers y >= 0, the sum `yᵀ (A x + b)` does not depend on the free unknowns and is negative; no
 /// feasible x could make it so.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Certificate {
     /// The rows that contradict each other, rising.
     pub rows: Vec<usize>,
@@ -53,7 +53,7 @@ pub struct Certificate {
 }
 
 /// How a solve ended. Only [`QpStatus::Solved`] is success.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum QpStatus {
     /// The KKT residuals are within the settings.
     Solved,
@@ -66,7 +66,7 @@ pub enum QpStatus {
 }
 
 /// Optimality of a point, measured on the problem as given (no scaling), gradients in product form.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct KktResiduals {
     /// Largest entry of `P x + q - Aᵀ z` at a free unknown, relative to the largest force in that balance: an entry of
     /// `Aᵀ z`, the reaction at a fixed unknown, or a thousandth of an entry of q.

@@ -1,0 +1,147 @@
+//! The flood: a vertex order turned, as little as it needs, into one with exactly the wanted extrema.
+//!
+//! From the wanted minima the order is flooded upwards, lowest available vertex first: a vertex enters after one of its
+//! neighbours, so it is no minimum. Flooding the reversed order from the wanted maxima does the same for maxima. Each of
+//! the two can disturb the other's set, so they alternate until both sets are right.
+//!
+//! Literature: Tierny, Pascucci 2012, *Generalized topological simplification of scalar fields on surfaces*; Lukasczyk,
+//! Garth, Maciejewski, Tierny 2020, *Localized topological simplification of scalar data*. Ours are the two rules that
+//! let a wanted extremum be none of the given field: a wanted minimum enters before all its neighbours, a wanted
+//! maximum after all of them.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::field::{VertexId, VertexOrder};
+use crate::mesh::SimplicialComplex;
+use crate::morse::WantedExtrema;
+
+/// Alternations after which the flood gives up; 2 to 5 are usual.
+const ALTERNATIONS: usize = 60;
+
+/// The outcome of a flood.
+#[derive(Debug, Clone)]
+pub struct Flooded {
+    /// The order reached.
+    pub order: VertexOrder,
+    /// Whether its extrema are exactly the wanted ones.
+    pub valid: bool,
+    /// Passes over the mesh, upwards and downwards together.
+    pub passes: usize,
+}
+
+/// Simplifies a vertex order to exactly the wanted extrema.
+///
+/// # Arguments
+/// * `order`: any strict order of the `n` vertices.
+/// * `wanted`: minima and maxima; every component of the mesh needs one of each.
+///
+/// # Returns
+/// The last order reached; `valid` is false if the alternation did not settle, or if the wanted extrema admit no order
+/// at all (see [`unreachable_regions`](super::unreachable_regions)).
+///
+/// # Cost
+/// O(m + n log n) a pass for n vertices and m edges.
+pub fn flood(complex: &SimplicialComplex, order: &VertexOrder, wanted: &WantedExtrema) -> Flooded {
+    let mut current = order.clone();
+    let mut passes = 0;
+    for _ in 0..ALTERNATIONS {
+        if has_exactly(complex, &current, wanted) {
+            return Flooded { order: current, valid: true, passes };
+        }
+        passes += 1;
+        match flood_upwards(complex, &current, &wanted.minima, &wanted.maxima) {
+            Some(next) => current = next,
+            None => return Flooded { order: current, valid: false, passes },
+        }
+        if has_exactly(complex, &current, wanted) {
+            return Flooded { order: current, valid: true, passes };
+        }
+        passes += 1;
+        match flood_upwards(complex, &current.reversed(), &wanted.maxima, &wanted.minima) {
+            Some(next) => current = next.reversed(),
+            None => return Flooded { order: current, valid: false, passes },
+        }
+    }
+    let valid = has_exactly(complex, &current, wanted);
+    Flooded { order: current, valid, passes }
+}
+
+/// Whether the minima and maxima of an order are exactly the wanted ones, isolated vertices aside.
+pub fn has_exactly(complex: &SimplicialComplex, order: &VertexOrder, wanted: &WantedExtrema) -> bool {
+    let mut asked = vec![[false; 2]; complex.vertex_count()];
+    for &minimum in &wanted.minima {
+        asked[minimum.index()][0] = true;
+    }
+    for &maximum in &wanted.maxima {
+        asked[maximum.index()][1] = true;
+    }
+    (0..complex.vertex_count()).map(VertexId::from).all(|vertex| {
+        let neighbours = complex.neighbours(vertex);
+        if neighbours.is_empty() {
+            return asked[vertex.index()] == [false; 2];
+        }
+        let lower = neighbours.iter().filter(|&&neighbour| order.is_below(neighbour, vertex)).count();
+        asked[vertex.index()] == [lower == 0, lower == neighbours.len()]
+    })
+}
+
+/// One pass: the order in which a flood from `minima` reaches the vertices; `None` if it does not reach them all.
+fn flood_upwards(
+    complex: &SimplicialComplex,
+    order: &VertexOrder,
+    minima: &[VertexId],
+    maxima: &[VertexId],
+) -> Option<VertexOrder> {
+    const SEED: u32 = u32::MAX;
+    let n = complex.vertex_count();
+    // Neighbours that a vertex still waits for: its wanted minima, or, if it is a wanted maximum, all of them.
+    let mut waiting = vec![0u32; n];
+    let mut is_cap = vec![false; n];
+    for &minimum in minima {
+        for &neighbour in complex.neighbours(minimum) {
+            waiting[neighbour.index()] += 1;
+        }
+    }
+    for &maximum in maxima {
+        is_cap[maximum.index()] = true;
+        waiting[maximum.index()] = complex.neighbours(maximum).len() as u32;
+    }
+    let mut heap = BinaryHeap::with_capacity(n / 4 + 16);
+    let mut is_seed = vec![false; n];
+    for &minimum in minima {
+        is_seed[minimum.index()] = true;
+        waiting[minimum.index()] = SEED;
+        heap.push(Reverse(order.rank(minimum)));
+    }
+    let mut queued = is_seed.clone();
+    let mut reached = Vec::with_capacity(n);
+    // Isolated vertices have no order to respect: they go first.
+    reached.extend((0..n).map(VertexId::from).filter(|&vertex| complex.neighbours(vertex).is_empty()));
+    let isolated = reached.len();
+    while let Some(Reverse(rank)) = heap.pop() {
+        let vertex = order.sequence()[rank as usize];
+        if complex.neighbours(vertex).is_empty() {
+            continue;
+        }
+        reached.push(vertex);
+        for &neighbour in complex.neighbours(vertex) {
+            let slot = neighbour.index();
+            if queued[slot] {
+                continue;
+            }
+            if is_cap[slot] || is_seed[vertex.index()] {
+                waiting[slot] -= 1;
+            }
+            if waiting[slot] == 0 {
+                queued[slot] = true;
+                heap.push(Reverse(order.rank(neighbour)));
+            }
+        }
+    }
+    debug_assert!(reached.len() <= n && isolated <= n, "no vertex enters twice");
+    if reached.len() != n {
+        return None;
+    }
+    VertexOrder::of_sequence(reached).ok()
+}

@@ -1,0 +1,118 @@
+//! Why a field was not smoothed.
+
+use crate::field::{FieldError, VertexId};
+use crate::monotone::{Contradiction, NotRepresentable, Precision, RepresentativeError};
+use crate::morse::MorseError;
+use crate::operators::OperatorError;
+use crate::qp::QpError;
+
+/// Why a field was not smoothed. Vertices are those of the domain; [`SmoothError::vertices`] lists them, so that a caller can
+/// translate them to the points of a file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SmoothError {
+    /// The data are no field on the mesh.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The mesh has a simplex without length, area or volume.
+    #[error(transparent)]
+    Operator(#[from] OperatorError),
+    /// The selection of extrema does not fit the field.
+    #[error(transparent)]
+    Morse(#[from] MorseError),
+    /// The wanted extrema admit no field.
+    #[error(transparent)]
+    Representative(#[from] RepresentativeError),
+    /// The engine refused the problem.
+    #[error(transparent)]
+    Solver(#[from] QpError),
+    /// A component has one value only: no strict field is near it.
+    #[error(
+        "the field is constant (value {value}) on the component of vertex {vertex} ({vertices} vertices); expected at least two \
+         values: leave that component out with a mask"
+    )]
+    Constant {
+        /// The lowest vertex of the component.
+        vertex: VertexId,
+        /// Its number of vertices.
+        vertices: usize,
+        /// The value.
+        value: f64,
+    },
+    /// Two values at wanted extrema contradict the order that the representative function gives.
+    #[error(
+        "the wanted values contradict each other: vertex {} (value {}) must stay below vertex {} (value {}); \
+         free them (values free, or within an interval) or drop one of the two extrema", .0.low, .0.low_value, .0.high, .0.high_value
+    )]
+    Contradiction(Contradiction),
+    /// Between two wanted values there are fewer numbers of the stored width than vertices in a row.
+    #[error(
+        "no strictly monotone field fits into {precision:?} at vertex {vertex}: its wanted neighbours in value are too close; expected \
+         more distance between extrema: raise the threshold, or store 64-bit values"
+    )]
+    NotRepresentable {
+        /// The vertex without a value left.
+        vertex: VertexId,
+        /// The stored width.
+        precision: Precision,
+    },
+    /// A list given as an option has the wrong length.
+    #[error("{option} has {found} values for {expected} vertices")]
+    OptionLength {
+        /// Name of the option.
+        option: &'static str,
+        /// Number of vertices.
+        expected: usize,
+        /// Number of values.
+        found: usize,
+    },
+    /// A value of a list given as an option is out of its range.
+    #[error("{option} is {found} at vertex {vertex}; expected {expected}")]
+    OptionValue {
+        /// Name of the option.
+        option: &'static str,
+        /// The vertex.
+        vertex: VertexId,
+        /// The value.
+        found: f64,
+        /// What would be right, in words.
+        expected: &'static str,
+    },
+    /// A single number given as an option is out of its range.
+    #[error("{option} is {found}; expected {expected}")]
+    OptionRange {
+        /// Name of the option.
+        option: &'static str,
+        /// The number.
+        found: f64,
+        /// What would be right, in words.
+        expected: &'static str,
+    },
+}
+
+impl From<Contradiction> for SmoothError {
+    fn from(contradiction: Contradiction) -> Self {
+        Self::Contradiction(contradiction)
+    }
+}
+
+impl SmoothError {
+    pub(super) fn not_representable(found: NotRepresentable, precision: Precision) -> Self {
+        Self::NotRepresentable { vertex: found.vertex, precision }
+    }
+
+    /// The vertices that the message names, in its order.
+    pub fn vertices(&self) -> Vec<VertexId> {
+        match self {
+            Self::Field(FieldError::NonFinite { vertex, .. })
+            | Self::Constant { vertex, .. }
+            | Self::NotRepresentable { vertex, .. }
+            | Self::OptionValue { vertex, .. }
+            | Self::Representative(RepresentativeError::Unreachable { vertex, .. })
+            | Self::Morse(MorseError::NotAnExtremum { vertex }) => vec![*vertex],
+            Self::Morse(MorseError::ComponentWithout { component, .. }) => vec![*component],
+            Self::Contradiction(found) => vec![found.low, found.high],
+            _ => Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,441 @@
+//! From a noisy field to a smooth one: the stages in order.
+
+use crate::field::{VertexId, VertexOrder};
+use crate::mesh::SimplicialComplex;
+use crate::monotone::{
+    EnergyWeights, Fitter, Levels, MonotoneConstraints, MonotoneFit, MonotonicityGraph, Operators, Precision, Repaired,
+    Representative, Strategy, Strictness, ValueRule, energy_parts, harmonic, levels, repair, representative, separatrix,
+};
+use crate::morse::{Selection, WantedExtrema};
+use crate::qp::{Progress, Settings};
+
+use super::error::SmoothError;
+use super::length::cross_validated_length;
+use super::options::{ExtremumValues, Length, SelectOn, SmoothOptions};
+use super::report::{
+    ChangeReport, EnergyReport, ExtremumCount, LengthReport, RepairReport, RepresentativeReport, SmoothReport, SolverReport,
+    Timing,
+};
+use super::select::{MeasuredField, Selected, select_extrema};
+
+/// Shortest automatic length, in mean edges: shorter ones leave the noise between neighbours as it is.
+const SHORTEST_EDGES: f64 = 1.5;
+
+/// What [`smooth`] is doing.
+#[derive(Debug, Clone)]
+pub enum SmoothProgress {
+    /// It begins a stage.
+    Stage(&'static str),
+    /// The solver finished an iteration.
+    Solver(Progress),
+}
+
+/// A smooth field with exactly the wanted extrema, and the evidence.
+#[derive(Debug, Clone)]
+pub struct Smoothed {
+    /// `n` values of the asked width.
+    pub values: Vec<f64>,
+    /// The extrema that were wanted, and that the values have.
+    pub wanted: WantedExtrema,
+    /// What was asked of the value at each vertex.
+    pub rules: Vec<ValueRule>,
+    /// The field on which extrema were selected, with its extremum pairs.
+    pub selected_on: MeasuredField,
+    /// What was measured.
+    pub report: SmoothReport,
+}
+
+/// A representative function that suits the wanted values: its edges and levels.
+struct Guide {
+    graph: MonotonicityGraph,
+    levels: Levels,
+    report: RepresentativeReport,
+}
+
+/// Smooths a field so that it has exactly the wanted minima and maxima.
+///
+/// # Arguments
+/// * `data`: `n` finite values, one a vertex of `complex`.
+/// * `progress`: told of every stage and solver iteration.
+///
+/// # Returns
+/// Values of the asked precision whose extrema under (value, vertex index) are exactly the wanted ones; and unless
+/// [`Strictness::TiesByIndex`] was asked, every other vertex has a strictly smaller and a strictly greater neighbour.
+/// This holds however the solver ended; `report.solver.status` says whether they are also optimal. Vertices without
+/// neighbours keep their value.
+///
+/// # Errors
+/// [`SmoothError`].
+///
+/// # Cost
+/// With automatic length about a dozen factorisations, then one an iteration of the solver, 10 to 25.
+///
+/// # Source
+/// Jacobson, Weinkauf, Sorkine 2012, section 3.
+pub fn smooth(
+    complex: &SimplicialComplex,
+    data: &[f64],
+    options: &SmoothOptions<'_>,
+    progress: &mut dyn FnMut(SmoothProgress),
+) -> Result<Smoothed, SmoothError> {
+    check(complex, data, options)?;
+    let mut timing = Timing::default();
+    progress(SmoothProgress::Stage("extrema of the data"));
+    let measured = timing.measure("extrema", || MeasuredField::new(complex, data.to_vec()))?;
+    refuse_constant(complex, data)?;
+
+    progress(SmoothProgress::Stage("operators"));
+    let operators = timing.measure("operators", || Operators::new(complex))?;
+    let mut fitter = timing.measure("analysis", || Fitter::new(complex, &operators, options.order))?;
+
+    progress(SmoothProgress::Stage("smoothing length"));
+    let length = timing.measure("length", || resolve_length(&mut fitter, data, options))?;
+    let weights = EnergyWeights {
+        order: options.order,
+        length: length.absolute,
+        confidence: options.confidence,
+        smoothness: options.smoothness,
+    };
+    progress(SmoothProgress::Stage("unconstrained field"));
+    let unconstrained = timing.measure("unconstrained", || fitter.minimiser(data, &weights, &vec![None; data.len()]))?;
+
+    progress(SmoothProgress::Stage("selection"));
+    let before = count(&measured);
+    let data_range = measured.range();
+    let selected_on = match options.select_on {
+        SelectOn::Data => measured,
+        SelectOn::Smooth => timing.measure("extrema", || MeasuredField::new(complex, unconstrained.clone()))?,
+    };
+    let Selected { wanted, unavoidable } = timing.measure("selection", || select_extrema(complex, &selected_on, &options.selection))?;
+    let rules = rules(&selected_on, &wanted, options);
+
+    progress(SmoothProgress::Stage("pinned field"));
+    let pinned = timing.measure("pinned", || pinned_field(&mut fitter, data, &weights, &rules, options, &unconstrained))?;
+
+    progress(SmoothProgress::Stage("representative function"));
+    let guide = timing.measure("representative", || guide(complex, &selected_on, &pinned, &wanted, &rules, options))?;
+
+    progress(SmoothProgress::Stage("quadratic problem"));
+    let (fit, guide, rounds, factorizations) = timing.measure("solve", || {
+        solve(&mut fitter, data, &weights, &wanted, &rules, guide, &pinned, options, progress)
+    })?;
+
+    progress(SmoothProgress::Stage("repair"));
+    let repaired = timing
+        .measure("repair", || repair(&guide.graph, &fit.values, &rules, options.precision, options.strictness))
+        .map_err(|found| SmoothError::not_representable(found, options.precision))?;
+    let values = keep_isolated(complex, data, repaired.values.clone(), options.precision);
+
+    let energy_of = |field: &[f64]| energy_parts(&operators, data, &weights, field);
+    let total = |field: &[f64]| energy_of(field).0 + energy_of(field).1;
+    let (smoothness, distance) = energy_of(&values);
+    let (result, bound, free) = (smoothness + distance, total(&pinned), total(&unconstrained));
+    let report = SmoothReport {
+        vertices: complex.vertex_count(),
+        simplices: complex.simplex_count(),
+        dimension: complex.dimension(),
+        components: complex.components().1,
+        data_range,
+        before,
+        select_on: options.select_on,
+        selection_range: selected_on.range(),
+        selection_extrema: count(&selected_on),
+        threshold: threshold(&selected_on, &options.selection)?,
+        wanted: ExtremumCount { minima: wanted.minima.len(), maxima: wanted.maxima.len() },
+        unavoidable,
+        order: options.order,
+        length,
+        representative: guide.report,
+        energy: EnergyReport {
+            result,
+            smoothness,
+            data: distance,
+            unconstrained: free,
+            bound,
+            above_bound: result / bound - 1.0,
+            above_unconstrained: result / free - 1.0,
+            rounds: rounds.energies,
+        },
+        solver: SolverReport {
+            status: fit.status,
+            rows: fit.rows,
+            active_rows: fit.active_rows,
+            iterations: rounds.iterations,
+            factorizations,
+            kkt: fit.kkt,
+        },
+        repair: repair_report(&repaired),
+        precision: options.precision,
+        change: change(&operators, data, &values, data_range),
+        timing,
+    };
+    Ok(Smoothed { values, wanted, rules, selected_on, report })
+}
+
+fn check(complex: &SimplicialComplex, data: &[f64], options: &SmoothOptions<'_>) -> Result<(), SmoothError> {
+    let range = |option, found: f64, expected, fits: bool| match fits {
+        true => Ok(()),
+        false => Err(SmoothError::OptionRange { option, found, expected }),
+    };
+    range("order", options.order as f64, "1, 2, 3 or 4", (1..=4).contains(&options.order))?;
+    match options.length {
+        Length::OfDiagonal(found) | Length::Absolute(found) => {
+            range("smoothing length", found, "a finite number above 0", found > 0.0 && found.is_finite())?;
+        }
+        Length::Automatic => {}
+    }
+    if let ExtremumValues::Within(found) = options.values {
+        range("interval of the values", found, "a finite part not below 0", found >= 0.0 && found.is_finite())?;
+    }
+    range("relative gap", options.relative_gap, "a number in (0, 0.1]", options.relative_gap > 0.0 && options.relative_gap <= 0.1)?;
+    let lists: [(_, _, _, fn(f64) -> bool); 2] = [
+        ("confidence", options.confidence, "a finite number not below 0", |value| value >= 0.0 && value.is_finite()),
+        ("smoothness mask", options.smoothness, "a number in [0, 1]", |value| (0.0..=1.0).contains(&value)),
+    ];
+    for (option, values, expected, fits) in lists {
+        let Some(values) = values else { continue };
+        if values.len() != data.len() {
+            return Err(SmoothError::OptionLength { option, expected: complex.vertex_count(), found: values.len() });
+        }
+        if let Some(vertex) = values.iter().position(|&value| !fits(value)) {
+            return Err(SmoothError::OptionValue { option, vertex: vertex.into(), found: values[vertex], expected });
+        }
+    }
+    Ok(())
+}
+
+/// A component of one value only has no strict field near it.
+fn refuse_constant(complex: &SimplicialComplex, data: &[f64]) -> Result<(), SmoothError> {
+    let (component, count) = complex.components();
+    let mut first: Vec<Option<VertexId>> = vec![None; count];
+    let mut size = vec![0usize; count];
+    let mut varies = vec![false; count];
+    for (vertex, &number) in component.iter().enumerate() {
+        let slot = number as usize;
+        let lowest = *first[slot].get_or_insert(vertex.into());
+        varies[slot] |= data[vertex] != data[lowest.index()];
+        size[slot] += 1;
+    }
+    let constant = (0..count).find(|&slot| !varies[slot] && size[slot] > 1);
+    match constant.and_then(|slot| Some((first[slot]?, size[slot]))) {
+        Some((vertex, vertices)) => Err(SmoothError::Constant { vertex, vertices, value: data[vertex.index()] }),
+        None => Ok(()),
+    }
+}
+
+fn resolve_length(
+    fitter: &mut Fitter<'_>,
+    data: &[f64],
+    options: &SmoothOptions<'_>,
+) -> Result<LengthReport, SmoothError> {
+    let diagonal = fitter.complex().bounding_box_diagonal();
+    let report = |absolute: f64, noise: Option<f64>| LengthReport {
+        absolute,
+        of_diagonal: absolute / diagonal,
+        automatic: noise.is_some(),
+        noise,
+    };
+    Ok(match options.length {
+        Length::Absolute(length) => report(length, None),
+        Length::OfDiagonal(fraction) => report(fraction * diagonal, None),
+        Length::Automatic => {
+            let weights = EnergyWeights {
+                order: options.order,
+                length: 0.0,
+                confidence: options.confidence,
+                smoothness: options.smoothness,
+            };
+            let shortest = SHORTEST_EDGES * mean_edge(fitter.complex());
+            let chosen = cross_validated_length(fitter, data, &weights, (shortest, 0.25 * diagonal.max(4.0 * shortest)))?;
+            report(chosen.length, Some(chosen.noise))
+        }
+    })
+}
+
+fn mean_edge(complex: &SimplicialComplex) -> f64 {
+    let length = |&[a, b]: &[VertexId; 2]| {
+        let (a, b) = (complex.point(a), complex.point(b));
+        (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+    };
+    complex.edges().iter().map(length).sum::<f64>() / complex.edges().len().max(1) as f64
+}
+
+fn rules(field: &MeasuredField, wanted: &WantedExtrema, options: &SmoothOptions<'_>) -> Vec<ValueRule> {
+    let (low, high) = field.range();
+    let mut rules = vec![ValueRule::Free; field.values.len()];
+    for &extremum in wanted.minima.iter().chain(&wanted.maxima) {
+        let value = options.precision.round(field.values[extremum.index()]);
+        rules[extremum.index()] = match options.values {
+            ExtremumValues::Keep => ValueRule::Exactly(value),
+            ExtremumValues::Free => ValueRule::Free,
+            ExtremumValues::Within(0.0) => ValueRule::Exactly(value),
+            ExtremumValues::Within(part) => {
+                let half = part * (high - low);
+                ValueRule::Within(value - half, value + half)
+            }
+        };
+    }
+    rules
+}
+
+/// The field of least energy with the wanted values pinned: the lower bound of the ideal problem.
+fn pinned_field(
+    fitter: &mut Fitter<'_>,
+    data: &[f64],
+    weights: &EnergyWeights<'_>,
+    rules: &[ValueRule],
+    options: &SmoothOptions<'_>,
+    unconstrained: &[f64],
+) -> Result<Vec<f64>, SmoothError> {
+    let pins: Vec<Option<f64>> = rules
+        .iter()
+        .map(|rule| match rule {
+            ValueRule::Exactly(value) => Some(*value),
+            ValueRule::Free | ValueRule::Within(..) => None,
+        })
+        .collect();
+    // Values of the unconstrained field pinned to themselves change nothing but its last bits.
+    if options.select_on == SelectOn::Smooth || pins.iter().all(Option::is_none) {
+        return Ok(unconstrained.to_vec());
+    }
+    Ok(fitter.minimiser(data, weights, &pins)?)
+}
+
+/// The representative function asked for; if its order contradicts the wanted values, the flood of the field on which they
+/// were measured, which cannot.
+fn guide(
+    complex: &SimplicialComplex,
+    selected_on: &MeasuredField,
+    pinned: &[f64],
+    wanted: &WantedExtrema,
+    rules: &[ValueRule],
+    options: &SmoothOptions<'_>,
+) -> Result<Guide, SmoothError> {
+    let flooded = || representative(complex, &selected_on.order, wanted);
+    let asked = match options.strategy {
+        Strategy::SmoothThenSimplify => representative(complex, &VertexOrder::of_values(pinned)?, wanted)?,
+        Strategy::Flood => flooded()?,
+        Strategy::Separatrix => separatrix(complex, &selected_on.values, &selected_on.order, wanted)?,
+        Strategy::Harmonic => harmonic(complex, wanted)?,
+    };
+    let build = |function: Representative, used: Strategy, why: Option<String>| {
+        let graph = MonotonicityGraph::new(complex, &function.order, wanted, options.edges);
+        let report = RepresentativeReport { asked: options.strategy, used, why, passes: function.passes };
+        levels(&graph, rules, level_range(selected_on, rules)).map(|levels| Guide { graph, levels, report })
+    };
+    match build(asked, options.strategy, None) {
+        Ok(guide) => Ok(guide),
+        Err(found) if options.strategy == Strategy::Flood => Err(found.into()),
+        Err(found) => {
+            let why = format!(
+                "in its order vertex {} (value {}) lies below vertex {} (value {})",
+                found.low, found.low_value, found.high, found.high_value
+            );
+            Ok(build(flooded()?, Strategy::Flood, Some(why))?)
+        }
+    }
+}
+
+/// Bounds for vertices that no wanted value bounds.
+fn level_range(field: &MeasuredField, rules: &[ValueRule]) -> (f64, f64) {
+    rules.iter().fold(field.range(), |(low, high), rule| match rule.bounds() {
+        (least, greatest) if least.is_finite() && greatest.is_finite() => (low.min(least), high.max(greatest)),
+        _ => (low, high),
+    })
+}
+
+/// Energies and counts over the refinement rounds.
+struct Rounds {
+    energies: Vec<f64>,
+    iterations: usize,
+}
+
+#[allow(clippy::too_many_arguments)]
+fn solve(
+    fitter: &mut Fitter<'_>,
+    data: &[f64],
+    weights: &EnergyWeights<'_>,
+    wanted: &WantedExtrema,
+    rules: &[ValueRule],
+    mut guide: Guide,
+    pinned: &[f64],
+    options: &SmoothOptions<'_>,
+    progress: &mut dyn FnMut(SmoothProgress),
+) -> Result<(MonotoneFit, Guide, Rounds, usize), SmoothError> {
+    let settings = Settings { relative_gap: options.relative_gap, ..Settings::default() };
+    let margin = match (options.strictness, options.precision) {
+        (Strictness::TiesByIndex, _) => 0.0,
+        (Strictness::Plain, Precision::F32) => 1e-4,
+        (Strictness::Plain, Precision::F64) => 1e-6,
+    };
+    let mut rounds = Rounds { energies: Vec::new(), iterations: 0 };
+    let mut factorizations = 0;
+    let mut last: Option<MonotoneFit> = None;
+    for _ in 0..=options.refine {
+        if let Some(fit) = &last {
+            // The last solution, made strict, is the next representative function.
+            let strict = repair(&guide.graph, &fit.values, rules, Precision::F64, Strictness::Plain)
+                .map_err(|found| SmoothError::not_representable(found, Precision::F64))?;
+            let order = VertexOrder::of_values(&strict.values)?;
+            let graph = MonotonicityGraph::new(fitter.complex(), &order, wanted, options.edges);
+            let Ok(levels) = levels(&graph, rules, guide.levels.range()) else { break };
+            guide = Guide { graph, levels, report: guide.report };
+        }
+        let constraints = MonotoneConstraints {
+            graph: &guide.graph,
+            levels: &guide.levels,
+            rules,
+            margin,
+            feasible: last.as_ref().map(|fit| fit.values.as_slice()),
+        };
+        let near = last.as_ref().map_or(pinned, |fit| fit.values.as_slice());
+        let fit = fitter.monotone(data, weights, &constraints, near, &settings, &mut |step| {
+            progress(SmoothProgress::Solver(step));
+        })?;
+        rounds.energies.push(fit.energy);
+        rounds.iterations += fit.iterations;
+        factorizations += fit.factorizations;
+        last = Some(fit);
+    }
+    match last {
+        Some(fit) => Ok((fit, guide, rounds, factorizations)),
+        None => unreachable!("there is always a first round"),
+    }
+}
+
+fn keep_isolated(complex: &SimplicialComplex, data: &[f64], mut values: Vec<f64>, precision: Precision) -> Vec<f64> {
+    for vertex in 0..values.len() {
+        if complex.neighbours(vertex.into()).is_empty() {
+            values[vertex] = precision.round(data[vertex]);
+        }
+    }
+    values
+}
+
+fn count(field: &MeasuredField) -> ExtremumCount {
+    ExtremumCount { minima: field.minima.len(), maxima: field.maxima.len() }
+}
+
+fn threshold(field: &MeasuredField, selection: &Selection) -> Result<Option<f64>, SmoothError> {
+    let (low, high) = field.range();
+    match selection {
+        Selection::Threshold(threshold) => Ok(Some(threshold.resolve(high - low)?)),
+        Selection::Count(_) | Selection::Set(_) => Ok(None),
+    }
+}
+
+fn repair_report(repaired: &Repaired) -> RepairReport {
+    RepairReport { moved: repaired.moved, largest_move: repaired.largest_move }
+}
+
+fn change(operators: &Operators, data: &[f64], values: &[f64], (low, high): (f64, f64)) -> ChangeReport {
+    let (mut square, mut mass, mut largest) = (0.0, 0.0, 0.0f64);
+    for i in 0..data.len() {
+        let difference = values[i] - data[i];
+        square += operators.mass[i] * difference * difference;
+        mass += operators.mass[i];
+        largest = largest.max(difference.abs());
+    }
+    let rms = (square / mass).sqrt();
+    ChangeReport { rms, largest, rms_of_range: if high > low { rms / (high - low) } else { 0.0 } }
+}

@@ -1,0 +1,3 @@
+//! Functions with controlled extrema.
+
+mod graph;
