@@ -1,2 +1,72 @@
-//! The program.
-fn main() {}
+//! `morsmooth`: parse, resolve, run, report. The only code that prints.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod args;
+mod check;
+mod extrema;
+mod failure;
+mod info;
+mod input;
+mod output;
+mod pictures;
+mod report;
+mod smooth;
+mod talk;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Cli, Command};
+use failure::Failure;
+
+/// How a run ended: 0 done and audited, 1 finished but the guarantee was not met, 2 usage or input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Outcome {
+    Done,
+    NotMet,
+}
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are data; everything else is a usage error.
+            let code = if error.use_stderr() { 2 } else { 0 };
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
+    match run(&cli.command) {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::NotMet) => ExitCode::from(1),
+        Err(failure) => {
+            failure.print();
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(command: &Command) -> Result<Outcome, Failure> {
+    let threads = match command {
+        Command::Info(args) => args.talk.threads,
+        Command::Extrema(args) => args.talk.threads,
+        Command::Smooth(args) => args.talk.threads,
+        Command::Check(args) => args.talk.threads,
+    };
+    if let Some(threads) = threads {
+        if threads == 0 {
+            return Err(Failure::usage("found --threads 0; expected at least 1"));
+        }
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()
+            .map_err(|error| Failure::usage(format!("{threads} threads could not be started: {error}")))?;
+    }
+    match command {
+        Command::Info(args) => info::run(args),
+        Command::Extrema(args) => extrema::run(args),
+        Command::Smooth(args) => smooth::run(args),
+        Command::Check(args) => check::run(args),
+    }
+}

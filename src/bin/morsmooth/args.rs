@@ -1,0 +1,300 @@
+//! The command line as typed. Nothing is looked up or computed here.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Smooth scalar fields with exactly the wanted minima and maxima.
+#[derive(Debug, Parser)]
+#[command(name = "morsmooth", version, about, long_about = None, max_term_width = 110)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Show what a file holds: data set, arrays, domain, what is wrong with it.
+    Info(InfoArgs),
+    /// Count the extrema of a field, list their persistence, and show what thresholds would leave.
+    Extrema(ExtremaArgs),
+    /// Write a smooth field with exactly the wanted minima and maxima.
+    Smooth(Box<SmoothArgs>),
+    /// Audit a field: are its extrema exactly the wanted ones?
+    Check(CheckArgs),
+}
+
+/// Which field of which file, on which part of the domain.
+#[derive(Debug, Clone, Args)]
+pub struct FieldArgs {
+    /// VTK file to read: .vti .vtu .vtp .vtr .vts or legacy .vtk.
+    pub input: PathBuf,
+
+    /// Point array to work on. Needed only where the file has several.
+    #[arg(long, value_name = "NAME")]
+    pub array: Option<String>,
+
+    /// Array whose zeros are holes in the domain (a point array, or else a cell array).
+    ///
+    /// Ghost and blank flags of the file, and NaN in the array worked on, are holes as well.
+    #[arg(long, value_name = "NAME")]
+    pub mask: Option<String>,
+
+    /// Work on a scalar derived from the vector array named by --array.
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub derive: Option<DeriveKind>,
+}
+
+/// A scalar derived from a vector field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DeriveKind {
+    /// Curl: its component out of the plane in 2-D (signed), its magnitude in 3-D.
+    Vorticity,
+    /// Trace of the gradient.
+    Divergence,
+    /// Length of the vector.
+    Magnitude,
+    /// Second invariant of the gradient.
+    QCriterion,
+    /// Strain squared minus vorticity squared.
+    OkuboWeiss,
+}
+
+/// How much to say, and with how many threads to work.
+#[derive(Debug, Clone, Args)]
+pub struct TalkArgs {
+    /// Write everything measured to this JSON file.
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+
+    /// Threads to use; all cores by default. The result has the same bits for any number.
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// `morsmooth info`.
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// VTK file to read.
+    pub input: PathBuf,
+
+    /// Array whose zeros are holes in the domain.
+    #[arg(long, value_name = "NAME")]
+    pub mask: Option<String>,
+
+    /// What is said, and threads.
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// `morsmooth extrema`.
+#[derive(Debug, Args)]
+pub struct ExtremaArgs {
+    /// The field.
+    #[command(flatten)]
+    pub field: FieldArgs,
+
+    /// Draw the persistence curve and diagram into this directory (SVG).
+    #[arg(long, value_name = "DIR")]
+    pub plots: Option<PathBuf>,
+
+    /// What is said, and threads.
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// Which extrema are wanted.
+#[derive(Debug, Clone, Args)]
+#[group(multiple = false)]
+pub struct SelectionArgs {
+    /// Keep extrema whose persistence exceeds this part of the range: 10% or 0.1.
+    #[arg(long, value_name = "FRACTION", value_parser = fraction)]
+    pub persistence: Option<f64>,
+
+    /// Keep extrema whose persistence exceeds this, in the units of the array.
+    #[arg(long, value_name = "VALUE")]
+    pub persistence_abs: Option<f64>,
+
+    /// Keep this many extrema, minima and maxima together, the most persistent ones.
+    #[arg(long, value_name = "N")]
+    pub extrema: Option<usize>,
+
+    /// Keep the extrema listed in this file: point numbers in a text file, or a persistence diagram (.vtu) with the array
+    /// ttkVertexScalarField.
+    #[arg(long, value_name = "FILE")]
+    pub keep: Option<PathBuf>,
+}
+
+/// `morsmooth smooth`.
+#[derive(Debug, Args)]
+pub struct SmoothArgs {
+    /// The field.
+    #[command(flatten)]
+    pub field: FieldArgs,
+
+    /// File to write; same kind of data set as the input.
+    pub output: PathBuf,
+
+    /// Name of the array written; <ARRAY>_smooth by default.
+    #[arg(long, value_name = "NAME")]
+    pub output_array: Option<String>,
+
+    /// Which extrema are wanted.
+    #[command(flatten)]
+    pub selection: SelectionArgs,
+
+    /// Field on which extrema are measured, and whose values they keep: the data (trusted values), or the unconstrained
+    /// smooth field (noisy data).
+    #[arg(long, value_enum, default_value_t = SelectKind::Data)]
+    pub select: SelectKind,
+
+    /// Values at the extrema: keep, free, or within a part of the range such as 5%.
+    #[arg(long, value_name = "keep|free|FRACTION", default_value = "keep", value_parser = extremum_values)]
+    pub values: ValuesKind,
+
+    /// Order of the polyharmonic energy, 1 to 4.
+    #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
+    pub order: u8,
+
+    /// Smoothing length as a part of the diagonal of the bounding box: 2% or 0.02. Chosen from the noise by default.
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs")]
+    pub length: Option<f64>,
+
+    /// Smoothing length in the units of the points.
+    #[arg(long, value_name = "LENGTH")]
+    pub length_abs: Option<f64>,
+
+    /// Point array with the confidence in each value, 0 or more.
+    #[arg(long, value_name = "NAME")]
+    pub confidence: Option<String>,
+
+    /// Point array with the smoothness asked at each point, from 0 (a spike is allowed) to 1.
+    #[arg(long, value_name = "NAME")]
+    pub smoothness: Option<String>,
+
+    /// The function that gives every edge its direction.
+    #[arg(long, value_enum, default_value_t = StrategyKind::SmoothThenSimplify)]
+    pub representative: StrategyKind,
+
+    /// Which edges keep their direction.
+    #[arg(long, value_enum, default_value_t = EdgesKind::Minimal)]
+    pub edges: EdgesKind,
+
+    /// Rounds in which the solution becomes the representative function of the next.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub refine: usize,
+
+    /// Relative duality gap at which the solver stops.
+    #[arg(long, value_name = "GAP", default_value_t = 1e-8)]
+    pub gap: f64,
+
+    /// Write the raw optimum: ties are left where the point numbers break them, so a plain < may see plateaus.
+    #[arg(long)]
+    pub raw: bool,
+
+    /// Draw before and after, the persistence curve and diagram into this directory.
+    #[arg(long, value_name = "DIR")]
+    pub plots: Option<PathBuf>,
+
+    /// Write the output even if the audit fails.
+    #[arg(long)]
+    pub keep_unaudited: bool,
+
+    /// What is said, and threads.
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// `morsmooth check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The field to judge.
+    #[command(flatten)]
+    pub field: FieldArgs,
+
+    /// File with the points that must be minima (point numbers), or a persistence diagram.
+    #[arg(long, value_name = "FILE")]
+    pub minima: Option<PathBuf>,
+
+    /// File with the points that must be maxima (point numbers), or a persistence diagram.
+    #[arg(long, value_name = "FILE")]
+    pub maxima: Option<PathBuf>,
+
+    /// Report written by `morsmooth smooth --report`: its wanted extrema must be exactly those of the field.
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["minima", "maxima"])]
+    pub against: Option<PathBuf>,
+
+    /// What is said, and threads.
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// Values of `--select`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SelectKind {
+    /// The data.
+    Data,
+    /// The unconstrained smooth field.
+    Smooth,
+}
+
+/// Values of `--representative`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StrategyKind {
+    /// The smooth field, simplified.
+    SmoothThenSimplify,
+    /// The data, simplified.
+    Flood,
+    /// Values along the separatrices of the simplified Morse complex.
+    Separatrix,
+    /// Harmonic between the extrema.
+    Harmonic,
+}
+
+/// Values of `--edges`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum EdgesKind {
+    /// Two edges a vertex, all at the extrema.
+    Minimal,
+    /// Every edge of the mesh.
+    All,
+}
+
+/// Values of `--values`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ValuesKind {
+    /// Kept.
+    Keep,
+    /// Free.
+    Free,
+    /// Within this fraction of the range.
+    Within(f64),
+}
+
+/// Reads `10%` or `0.1`.
+fn fraction(text: &str) -> Result<f64, String> {
+    let number = |digits: &str| digits.trim().parse::<f64>().map_err(|_| format!("found '{text}'; expected a part such as 10% or 0.1"));
+    let value = match text.trim().strip_suffix('%') {
+        Some(digits) => number(digits)? / 100.0,
+        None => number(text)?,
+    };
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(format!("found '{text}'; expected a finite part not below 0"))
+    }
+}
+
+fn extremum_values(text: &str) -> Result<ValuesKind, String> {
+    match text {
+        "keep" => Ok(ValuesKind::Keep),
+        "free" => Ok(ValuesKind::Free),
+        _ => fraction(text).map(ValuesKind::Within).map_err(|_| format!("found '{text}'; expected keep, free or a part such as 5%")),
+    }
+}

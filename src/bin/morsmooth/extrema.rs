@@ -1,0 +1,87 @@
+//! `morsmooth extrema`: count, list persistence, suggest thresholds.
+
+use std::io::Write;
+
+use morsmooth::morse::PersistenceCurve;
+use morsmooth::smooth::MeasuredField;
+use serde_json::{Value, json};
+
+use crate::Outcome;
+use crate::args::ExtremaArgs;
+use crate::failure::Failure;
+use crate::input::FieldInput;
+use crate::output::check_target;
+use crate::report::{header, pairs, write_report};
+use crate::talk::Talk;
+
+/// Thresholds of the table, in per cent of the range.
+const THRESHOLDS: [f64; 9] = [0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 40.0];
+/// Gaps of the persistence curve that are listed.
+const GAPS: usize = 4;
+
+/// Runs the command.
+pub fn run(args: &ExtremaArgs) -> Result<Outcome, Failure> {
+    args.talk.report.as_deref().map_or(Ok(()), check_target)?;
+    let talk = Talk::new(args.talk.quiet);
+    talk.stage("reading");
+    let input = FieldInput::load(&args.field)?;
+    talk.stage("extrema");
+    let field = MeasuredField::new(&input.domain.complex, input.values.clone())
+        .map_err(|error| input.smooth_failure(&error))?;
+    let curve = PersistenceCurve::new(&field.minima, &field.maxima, &field.values);
+    if let Some(directory) = &args.plots {
+        talk.stage("pictures");
+        crate::pictures::extrema(directory, &input, &field)?;
+    }
+    talk.finish();
+    let (low, high) = field.range();
+    let gaps = curve.widest_gaps(GAPS);
+    if let Some(path) = &args.talk.report {
+        let mut report = header(&input);
+        if let Value::Object(entries) = &mut report {
+            entries.insert("range".into(), json!([low, high]));
+            entries.insert("minima".into(), json!(field.minima.len()));
+            entries.insert("maxima".into(), json!(field.maxima.len()));
+            entries.insert("minima_pairs".into(), json!(pairs(&field.minima, &field.values)));
+            entries.insert("maxima_pairs".into(), json!(pairs(&field.maxima, &field.values)));
+            let gaps: Vec<Value> = gaps
+                .iter()
+                .map(|gap| json!({ "from": gap.from, "to": gap.to, "minima": gap.minima, "maxima": gap.maxima }))
+                .collect();
+            entries.insert("widest_gaps".into(), json!(gaps));
+        }
+        write_report(path, &report)?;
+    }
+    if !args.talk.quiet {
+        let mut out = std::io::stdout().lock();
+        let mut lines = vec![
+            format!("{} on {} vertices, values {low:.6} to {high:.6}", input.name, field.values.len()),
+            format!("{} minima, {} maxima, boundary included", field.minima.len(), field.maxima.len()),
+            String::new(),
+            format!("{:>11} {:>14} {:>8} {:>8}", "persistence", "in file units", "minima", "maxima"),
+        ];
+        for percent in THRESHOLDS {
+            let threshold = percent / 100.0 * (high - low);
+            let (minima, maxima) = curve.at(threshold);
+            lines.push(format!("{:>11} {threshold:>14.6} {minima:>8} {maxima:>8}", format!("> {percent} %")));
+        }
+        if !gaps.is_empty() {
+            lines.push(String::new());
+            lines.push("widest gaps of the persistence curve, good places for a threshold:".to_owned());
+            for gap in gaps {
+                let percent = |value: f64| if high > low { 100.0 * value / (high - low) } else { 0.0 };
+                lines.push(format!(
+                    "  {:.2} % to {:.2} % leaves {} minima, {} maxima",
+                    percent(gap.from),
+                    percent(gap.to),
+                    gap.minima,
+                    gap.maxima
+                ));
+            }
+        }
+        for line in lines {
+            let _ = writeln!(out, "{line}");
+        }
+    }
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,89 @@
+//! The pictures of `--plots`.
+
+use std::path::Path;
+
+use morsmooth::audit::extrema as extrema_of;
+use morsmooth::field::VertexId;
+use morsmooth::morse::ExtremumPair;
+use morsmooth::plot::{
+    DiagramPoint, FieldView, PictureOptions, PlotError, before_after, field_picture, persistence_curve, persistence_diagram,
+    write_atomically,
+};
+use morsmooth::smooth::MeasuredField;
+
+use crate::failure::Failure;
+use crate::input::FieldInput;
+use crate::report::{SmoothJob, persistences};
+
+/// Before and after, persistence curve and diagram of a smoothing run.
+pub fn smooth(directory: &Path, job: &SmoothJob<'_>) -> Result<(), Failure> {
+    let (input, result) = (job.input, job.result);
+    let complex = &input.domain.complex;
+    prepare(directory)?;
+    let before = extrema_of(complex, &input.values).map_err(|error| Failure::file(&input.path, error))?;
+    let options = PictureOptions { label: input.name.clone(), ..PictureOptions::default() };
+    let report = &result.report;
+    let titles = (format!("before: {}", report.before), format!("after: {}", report.wanted));
+    let left = FieldView { title: &titles.0, values: &input.values, minima: &before.minima, maxima: &before.maxima };
+    let right =
+        FieldView { title: &titles.1, values: &result.values, minima: &result.wanted.minima, maxima: &result.wanted.maxima };
+    let target = directory.join("before_after.png");
+    before_after(complex, &left, &right, &options)
+        .and_then(|picture| picture.write_png(&target))
+        .map_err(|error| plot_failure(&target, &error))?;
+    let kept = |vertex: VertexId| {
+        result.wanted.minima.binary_search(&vertex).is_ok() || result.wanted.maxima.binary_search(&vertex).is_ok()
+    };
+    charts(directory, &result.selected_on, report.threshold.unwrap_or(0.0), &input.name, kept)
+}
+
+/// The field, its persistence curve and diagram.
+pub fn extrema(directory: &Path, input: &FieldInput, field: &MeasuredField) -> Result<(), Failure> {
+    prepare(directory)?;
+    let vertices = |pairs: &[ExtremumPair]| -> Vec<VertexId> { pairs.iter().map(|pair| pair.extremum).collect() };
+    let (minima, maxima) = (vertices(&field.minima), vertices(&field.maxima));
+    let title = format!("{} minima, {} maxima", minima.len(), maxima.len());
+    let view = FieldView { title: &title, values: &input.values, minima: &minima, maxima: &maxima };
+    let options = PictureOptions { label: input.name.clone(), ..PictureOptions::default() };
+    let target = directory.join("field.png");
+    field_picture(&input.domain.complex, &view, &options)
+        .and_then(|picture| picture.write_png(&target))
+        .map_err(|error| plot_failure(&target, &error))?;
+    charts(directory, field, 0.0, &input.name, |_| true)
+}
+
+fn charts(
+    directory: &Path,
+    field: &MeasuredField,
+    threshold: f64,
+    label: &str,
+    kept: impl Fn(VertexId) -> bool,
+) -> Result<(), Failure> {
+    let (minima, maxima) = persistences(field);
+    let target = directory.join("persistence_curve.svg");
+    persistence_curve(&minima, &maxima, threshold, label)
+        .and_then(|svg| write_atomically(&target, svg.as_bytes()))
+        .map_err(|error| plot_failure(&target, &error))?;
+    let points = |pairs: &[ExtremumPair]| -> Vec<DiagramPoint> {
+        pairs
+            .iter()
+            .map(|pair| DiagramPoint {
+                birth: field.values[pair.extremum.index()],
+                death: pair.saddle.map(|saddle| field.values[saddle.index()]),
+                kept: kept(pair.extremum),
+            })
+            .collect()
+    };
+    let target = directory.join("persistence_diagram.svg");
+    persistence_diagram(&points(&field.minima), &points(&field.maxima), threshold, label)
+        .and_then(|svg| write_atomically(&target, svg.as_bytes()))
+        .map_err(|error| plot_failure(&target, &error))
+}
+
+fn prepare(directory: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(directory).map_err(|error| Failure::file(directory, format!("cannot be made a directory: {error}")))
+}
+
+fn plot_failure(target: &Path, error: &PlotError) -> Failure {
+    Failure::file(target, error)
+}

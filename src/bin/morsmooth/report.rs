@@ -1,0 +1,257 @@
+//! Reports: JSON with everything measured, and the summary for people.
+
+use std::path::Path;
+
+use morsmooth::audit::{AuditReport, Defects, ExtremumType};
+use morsmooth::field::VertexId;
+use morsmooth::morse::{ExtremumPair, reported_persistences};
+use morsmooth::smooth::{ExtremumCount, MeasuredField, SelectOn, Smoothed};
+use serde_json::{Value, json};
+
+use crate::args::SmoothArgs;
+use crate::failure::Failure;
+use crate::input::FieldInput;
+use crate::output::write_whole;
+
+/// Writes a report.
+pub fn write_report(path: &Path, report: &Value) -> Result<(), Failure> {
+    let mut text = serde_json::to_string_pretty(report)
+        .map_err(|error| Failure::file(path, format!("the report cannot be put into JSON: {error}")))?;
+    text.push('\n');
+    write_whole(path, text.as_bytes())
+}
+
+/// The facts that every report begins with.
+pub fn header(input: &FieldInput) -> Value {
+    let domain = &input.domain;
+    json!({
+        "program": "morsmooth",
+        "version": env!("CARGO_PKG_VERSION"),
+        "input": input.path.display().to_string(),
+        "array": input.name,
+        "mask": input.mask,
+        "points": domain.point_count(),
+        "vertices": domain.complex.vertex_count(),
+        "simplices": domain.complex.simplex_count(),
+        "dimension": domain.complex.dimension(),
+        "notes": domain.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    })
+}
+
+/// Extremum pairs as (birth, death), the death of an essential one `null`.
+pub fn pairs(pairs: &[ExtremumPair], values: &[f64]) -> Vec<(f64, Option<f64>)> {
+    pairs.iter().map(|pair| (values[pair.extremum.index()], pair.saddle.map(|saddle| values[saddle.index()]))).collect()
+}
+
+/// Extrema as a user finds them in the file: point number, position, value.
+pub fn extrema(input: &FieldInput, vertices: &[VertexId], values: &[f64]) -> Vec<Value> {
+    vertices
+        .iter()
+        .map(|&vertex| {
+            json!({
+                "point": input.domain.point_of_vertex()[vertex.index()],
+                "position": input.domain.complex.point(vertex),
+                "value": values[vertex.index()],
+            })
+        })
+        .collect()
+}
+
+/// The verdict of the audit, vertices translated to points.
+pub fn audit_json(input: &FieldInput, audit: &AuditReport) -> Value {
+    let named = |defects: &Defects<(VertexId, ExtremumType)>| -> Vec<Value> {
+        let name = |kind| if kind == ExtremumType::Minimum { "minimum" } else { "maximum" };
+        let point = |vertex: VertexId| input.domain.point_of_vertex()[vertex.index()];
+        defects.first.iter().map(|&(vertex, kind)| json!({ "point": point(vertex), "kind": name(kind) })).collect()
+    };
+    json!({
+        "passed": audit.passed,
+        "minima": audit.found_minima,
+        "maxima": audit.found_maxima,
+        "missing": audit.missing.count,
+        "missing_first": named(&audit.missing),
+        "spurious": audit.spurious.count,
+        "spurious_first": named(&audit.spurious),
+        "moved_values": audit.moved_values.count,
+        "plateaus": audit.plateaus.count,
+        "plateaus_first": input.domain.points_of(&audit.plateaus.first),
+    })
+}
+
+/// What an audit found, for people.
+pub fn audit_line(audit: &AuditReport) -> String {
+    if audit.passed {
+        return format!(
+            "passed: the file has exactly {}",
+            ExtremumCount { minima: audit.found_minima, maxima: audit.found_maxima }
+        );
+    }
+    let mut faults = Vec::new();
+    for (count, what) in [
+        (audit.missing.count, "wanted extrema missing"),
+        (audit.spurious.count, "extrema that nobody wanted"),
+        (audit.moved_values.count, "wanted values not kept"),
+        (audit.plateaus.count, "points on plateaus"),
+    ] {
+        if count > 0 {
+            faults.push(format!("{count} {what}"));
+        }
+    }
+    format!("FAILED: {}", faults.join(", "))
+}
+
+/// Everything about one run of `morsmooth smooth`.
+pub struct SmoothJob<'a> {
+    pub args: &'a SmoothArgs,
+    pub input: &'a FieldInput,
+    pub output_array: &'a str,
+    pub result: &'a Smoothed,
+    pub audit: &'a AuditReport,
+    pub written: bool,
+    pub read_seconds: f64,
+    pub write_seconds: f64,
+    pub seconds: f64,
+}
+
+impl SmoothJob<'_> {
+    /// The report.
+    pub fn to_json(&self) -> Value {
+        let field = &self.result.selected_on;
+        let mut report = header(self.input);
+        if let Value::Object(entries) = &mut report {
+            entries.insert("output".into(), json!(self.args.output.display().to_string()));
+            entries.insert("output_array".into(), json!(self.output_array));
+            entries.insert("written".into(), json!(self.written));
+            entries.insert("audit".into(), audit_json(self.input, self.audit));
+            entries.insert("smooth".into(), json!(self.result.report));
+            entries.insert(
+                "wanted".into(),
+                json!({
+                    "minima": extrema(self.input, &self.result.wanted.minima, &self.result.values),
+                    "maxima": extrema(self.input, &self.result.wanted.maxima, &self.result.values),
+                }),
+            );
+            entries.insert("minima_pairs".into(), json!(pairs(&field.minima, &field.values)));
+            entries.insert("maxima_pairs".into(), json!(pairs(&field.maxima, &field.values)));
+            entries.insert(
+                "seconds".into(),
+                json!({ "read": self.read_seconds, "write_and_audit": self.write_seconds, "total": self.seconds }),
+            );
+        }
+        report
+    }
+
+    /// The summary, on standard output; a closed pipe is not an error.
+    pub fn print_summary(&self) {
+        use std::io::Write;
+        let report = &self.result.report;
+        let (low, high) = report.data_range;
+        let mut lines = vec![
+            ("field", format!("{} on {} vertices, values {low:.6} to {high:.6}", self.input.name, report.vertices)),
+            ("extrema before", report.before.to_string()),
+        ];
+        if report.select_on == SelectOn::Smooth {
+            let (low, high) = report.selection_range;
+            lines.push(("smooth field", format!("{}, values {low:.6} to {high:.6}", report.selection_extrema)));
+        }
+        let rule = match report.threshold {
+            Some(threshold) => format!(" (persistence above {threshold:.6})"),
+            None => String::new(),
+        };
+        lines.push(("extrema wanted", format!("{}{rule}", report.wanted)));
+        if report.unavoidable > 0 {
+            lines.push(("", format!("{} of them only because their part of the domain hangs on one vertex", report.unavoidable)));
+        }
+        let noise = match report.length.noise {
+            Some(noise) => format!(", chosen by cross-validation; noise about {noise:.4}"),
+            None => String::new(),
+        };
+        lines.push((
+            "smoothing",
+            format!(
+                "order {}, length {:.6} ({:.2} % of the diagonal){noise}",
+                report.order,
+                report.length.absolute,
+                100.0 * report.length.of_diagonal
+            ),
+        ));
+        let function = &report.representative;
+        let why = function.why.as_ref().map_or(String::new(), |why| format!(" instead of {}: {why}", function.asked));
+        lines.push(("representative", format!("{}{why}", function.used)));
+        lines.push((
+            "energy",
+            format!(
+                "{:.6e}: {:.2} % above the least possible with these extrema's values, {:.2} % above the unconstrained field",
+                report.energy.result,
+                100.0 * report.energy.above_bound,
+                100.0 * report.energy.above_unconstrained
+            ),
+        ));
+        lines.push((
+            "solver",
+            format!(
+                "{}, {} iterations, {} of {} constraints active, relative gap {:.1e}",
+                crate::report::status_name(&report.solver.status),
+                report.solver.iterations,
+                report.solver.active_rows,
+                report.solver.rows,
+                report.solver.kkt.duality_gap
+            ),
+        ));
+        lines.push((
+            "change",
+            format!(
+                "rms {:.6} ({:.2} % of the range), largest {:.6}",
+                report.change.rms,
+                100.0 * report.change.rms_of_range,
+                report.change.largest
+            ),
+        ));
+        lines.push(("repair", format!("{} vertices, by at most {:.1e}", report.repair.moved, report.repair.largest_move)));
+        let stages: Vec<String> =
+            report.timing.stages.iter().map(|(stage, seconds)| format!("{stage} {seconds:.2}")).collect();
+        lines.push((
+            "time",
+            format!(
+                "{:.2} s (read {:.2}, {}, write and audit {:.2})",
+                self.seconds,
+                self.read_seconds,
+                stages.join(", "),
+                self.write_seconds
+            ),
+        ));
+        lines.push(("audit", audit_line(self.audit)));
+        let target = self.args.output.display();
+        lines.push((
+            "output",
+            match self.written {
+                true => format!("{target}, array {}", self.output_array),
+                false => format!("none: {target} was not written (--keep-unaudited would)"),
+            },
+        ));
+        let mut stdout = std::io::stdout().lock();
+        for (what, text) in lines {
+            let _ = writeln!(stdout, "{what:<15} {text}");
+        }
+    }
+}
+
+/// How a solve ended, in a word.
+pub fn status_name(status: &morsmooth::qp::QpStatus) -> &'static str {
+    use morsmooth::qp::QpStatus;
+    match status {
+        QpStatus::Solved => "solved",
+        QpStatus::Infeasible(_) => "infeasible (the field written is feasible, not optimal)",
+        QpStatus::IterationLimit => "iteration limit (the field written is feasible, not optimal)",
+        QpStatus::Stalled => "stalled (the field written is feasible, not optimal to the asked gap)",
+        _ => "ended",
+    }
+}
+
+/// Persistences of one kind, for curves and tables.
+pub fn persistences(field: &MeasuredField) -> (Vec<f64>, Vec<f64>) {
+    (
+        reported_persistences(&field.minima, &field.maxima, &field.values),
+        reported_persistences(&field.maxima, &field.minima, &field.values),
+    )
+}
