@@ -7,5 +7,5 @@ mod masks;
 mod polygons;
 mod refusals;
 pub mod shapes;
-mod timing;
+pub mod timing;
 mod volumes;
