@@ -7,4 +7,5 @@ mod datasets;
 mod house;
 mod audit;
 mod morse;
+mod operators;
 mod support;

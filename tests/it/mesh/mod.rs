@@ -1,3 +1,11 @@
 //! The module `mesh`.
 
-mod timing;
+mod complexes;
+mod faults;
+mod grids;
+mod masks;
+mod polygons;
+mod refusals;
+pub mod shapes;
+pub mod timing;
+mod volumes;

@@ -3,7 +3,7 @@
 use morsmooth::mesh::{CellList, CellShape, Domain, Grid, Mask};
 use std::time::Instant;
 
-fn best_of<T>(label: &str, mut work: impl FnMut() -> T) -> f64 {
+pub fn best_of<T>(label: &str, mut work: impl FnMut() -> T) -> f64 {
     let best = (0..5)
         .map(|_| {
             let start = Instant::now();

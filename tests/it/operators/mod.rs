@@ -1,0 +1,7 @@
+//! The module `operators`.
+
+mod derived;
+mod laplacian;
+mod mass;
+mod refusals;
+mod timing;
