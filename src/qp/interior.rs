@@ -237,10 +237,8 @@ impl Interior<'_> {
         self.engine.reset_values();
         self.rows.add_normal(&self.weights, &mut self.engine.values);
         self.engine.factor_values()?;
-        let factor_seconds = clock.elapsed().as_secs_f64();
-        self.timings.factor += factor_seconds;
+        self.timings.factor += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        let solves_before = self.solves;
 
         let m = self.rows.len() as f64;
         let mu = dot(&self.point.s, &self.point.z) / m;
@@ -262,11 +260,11 @@ impl Interior<'_> {
         }
         self.direction();
         let mut length = self.reach(self.settings.step_fraction);
-        let solve_seconds = clock.elapsed().as_secs_f64() / (self.solves - solves_before).max(1) as f64;
-        let correctors = match factor_seconds / solve_seconds {
-            ratio if ratio > 12.0 => 3,
-            ratio if ratio > 8.0 => 2,
-            ratio if ratio > 5.0 => 1,
+        // Counted, not timed, so that the same input gives the same bits.
+        let correctors = match self.engine.symbolic.factor_flops() / self.engine.symbolic.factor_entries().max(1) as f64 {
+            ratio if ratio > 2500.0 => 3,
+            ratio if ratio > 1000.0 => 2,
+            ratio if ratio > 400.0 => 1,
             _ => 0,
         };
         for _ in 0..correctors.min(self.settings.correctors) {

@@ -71,8 +71,6 @@ fn measured(interior: &Interior<'_>, stationarity: &mut [f64], primal: &mut [f64
             source = source.max(q.abs());
         }
     }
-    let before: Vec<f64> = Vec::new();
-    drop(before);
     rows.add_transposed(-1.0, &point.z, stationarity);
     let (mut residual, mut reaction) = (0.0f64, 0.0f64);
     for (slot, &fixed) in stationarity.iter().zip(&engine.is_fixed) {

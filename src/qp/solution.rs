@@ -17,7 +17,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { relative_gap: 1e-8, residual: 1e-8, max_iterations: 200, correctors: 3, step_fraction: 0.99 }
+        Self { relative_gap: 1e-8, residual: 1e-8, max_iterations: 200, correctors: 3, step_fraction: 0.995 }
     }
 }
 

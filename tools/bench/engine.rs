@@ -50,10 +50,11 @@ fn run(side: usize, order: usize, case: Case, with_peer: bool) {
     }
     let settings = Settings::default();
     let verbose = std::env::var("VERBOSE").is_ok();
+    let cold = std::env::var("COLD").is_ok();
     let mut solution = None;
     for _ in 0..if side < 200 { 3 } else { 1 } {
         let next = engine
-            .solve(&made.problem, Some(&made.start), &settings, &mut |p| {
+            .solve(&made.problem, (!cold).then_some(&made.start[..]), &settings, &mut |p| {
                 if verbose {
                     println!("{:3} gap {:.1e} stationarity {:.1e} primal {:.1e} step {:.3}", p.iteration, p.gap, p.stationarity, p.primal, p.step);
                 }

@@ -22,10 +22,8 @@ pub struct Instance {
     pub problem: Problem,
     /// Places of the unknowns.
     pub coordinates: Vec<[f64; 3]>,
-    /// A strictly feasible start: 0.99 sweep + 0.01 levels.
+    /// A strictly feasible start: 0.9 sweep + 0.1 levels.
     pub start: Vec<f64>,
-    /// The levels alone, strictly feasible too.
-    pub levels: Vec<f64>,
 }
 
 /// Sebastiano Vigna's SplitMix64.
@@ -160,9 +158,9 @@ pub fn instance(side: usize, order: usize, case: Case, seed: u64) -> Instance {
     let rows = CsrMatrix::from_triplets(arcs.len(), n, &triplets).unwrap();
     let levels = levels(&arcs, &rank, &fixed);
     let swept = sweep(&arcs, &rank, &fixed, &pinned);
-    let start = swept.iter().zip(&levels).map(|(s, l)| 0.99 * s + 0.01 * l).collect();
+    let start = swept.iter().zip(&levels).map(|(s, l)| 0.9 * s + 0.1 * l).collect();
     let constraints = Constraints::nonnegative(rows, vec![0.0; arcs.len()]);
-    Instance { problem: Problem { objective, fixed, constraints }, coordinates: points, start, levels }
+    Instance { problem: Problem { objective, fixed, constraints }, coordinates: points, start }
 }
 
 fn monotonicity_edges(edges: &[Vec<u32>], rank: &[f64], fixed: &[Option<f64>]) -> Vec<(u32, u32)> {
@@ -238,7 +236,16 @@ fn sweep(arcs: &[(u32, u32)], rank: &[f64], fixed: &[Option<f64>], x: &[f64]) ->
 fn flooded(edges: &[Vec<u32>], field: &[f64], poles: &[Option<f64>]) -> Vec<f64> {
     let n = field.len();
     let mut rank = field.to_vec();
-    for turn in 0..12 {
+    let spurious = |rank: &[f64]| {
+        (0..n).filter(|&i| poles[i].is_none()).any(|i| {
+            let above = edges[i].iter().filter(|&&j| (rank[j as usize], j) > (rank[i], i as u32)).count();
+            above == 0 || above == edges[i].len()
+        })
+    };
+    for turn in 0..100 {
+        if !spurious(&rank) {
+            break;
+        }
         let (seed, last) = if turn % 2 == 0 { (0.0, 1.0) } else { (1.0, 0.0) };
         let value = |i: usize| if turn % 2 == 0 { rank[i] } else { -rank[i] };
         // Vertices enter by value once a neighbour is in; seeds before their neighbours, opposite poles after all of theirs.
