@@ -1,5 +1,7 @@
 //! Numbers and the bytes or words that stand for them.
 
+use rayon::prelude::*;
+
 /// How integers and floats are laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ByteOrder {
@@ -46,13 +48,26 @@ macro_rules! element {
 }
 element!(i8, u8, i16, u16, i32, u32, i64, u64, f32, f64);
 
-/// All numbers in `bytes`, whose length must be a multiple of the width.
+/// All numbers in `bytes`, whose length must be a multiple of the width. Long lists are converted in parallel.
 pub(super) fn values_of_bytes<T: Element>(bytes: &[u8], order: ByteOrder) -> Vec<T> {
+    /// Values of one task: enough to be worth it.
+    const TASK: usize = 1 << 17;
     // Two loops, so that each is a plain copy or byte swap.
-    match order {
-        ByteOrder::Little => bytes.chunks_exact(T::WIDTH).map(|one| T::of_bytes(one, ByteOrder::Little)).collect(),
-        ByteOrder::Big => bytes.chunks_exact(T::WIDTH).map(|one| T::of_bytes(one, ByteOrder::Big)).collect(),
+    fn convert<T: Element>(values: &mut [T], bytes: &[u8], order: ByteOrder) {
+        let pairs = values.iter_mut().zip(bytes.chunks_exact(T::WIDTH));
+        match order {
+            ByteOrder::Little => pairs.for_each(|(value, bytes)| *value = T::of_bytes(bytes, ByteOrder::Little)),
+            ByteOrder::Big => pairs.for_each(|(value, bytes)| *value = T::of_bytes(bytes, ByteOrder::Big)),
+        }
     }
+    let mut values = vec![T::default(); bytes.len() / T::WIDTH];
+    if values.len() <= TASK {
+        convert(&mut values, bytes, order);
+    } else {
+        let tasks = values.par_chunks_mut(TASK).zip(bytes.par_chunks(TASK * T::WIDTH));
+        tasks.for_each(|(values, bytes)| convert(values, bytes, order));
+    }
+    values
 }
 
 /// The first `count` bits, highest bit of a byte first.

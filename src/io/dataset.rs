@@ -351,7 +351,7 @@ impl DataSet {
                 let steps = [0, 1, 2].map(|axis| f64::from(index[axis]) * spacing[axis]);
                 [0, 1, 2].map(|row| {
                     let along = |axis: usize| direction[3 * row + axis] * steps[axis];
-                    origin[row] + along(0) + along(1) + along(2)
+                    origin[row] + (along(0) + along(1) + along(2))
                 })
             }),
             Geometry::RectilinearGrid { extent, coordinates } => {

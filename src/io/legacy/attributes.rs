@@ -28,7 +28,7 @@ pub(super) fn array(
     })?;
     let mut array = DataArray::new(name, components, data);
     array.id_type = value_type == LegacyType::Id;
-    metadata::read(lexer, &mut array);
+    metadata::read(lexer, &mut array)?;
     Ok(array)
 }
 
@@ -120,7 +120,7 @@ fn scalars(lexer: &mut Lexer<'_>, keyword: &str, tuples: usize) -> Result<DataAr
         let components: usize = lexer.number("the number of components")?;
         let data = colours(lexer, tuples.saturating_mul(components))?;
         let mut array = DataArray::new(name, components.max(1), ArrayData::U8(data));
-        metadata::read(lexer, &mut array);
+        metadata::read(lexer, &mut array)?;
         return Ok(array);
     }
     let value_type = LegacyType::read(lexer)?;

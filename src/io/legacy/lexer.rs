@@ -73,10 +73,15 @@ impl<'a> Lexer<'a> {
 
     /// The next word as text.
     pub fn text(&mut self, expected: &str) -> Result<&'a str, Fault> {
-        let place = self.place();
-        match self.word() {
-            None => Err(Fault::new(place, "the end of the file", expected)),
-            Some(word) => std::str::from_utf8(word).map_err(|_| Fault::new(place, quoted(&String::from_utf8_lossy(word)), expected)),
+        self.skip_blanks();
+        let start = self.position;
+        match self.word().map(|word| (word, std::str::from_utf8(word))) {
+            Some((_, Ok(text))) => Ok(text),
+            Some((word, Err(_))) => {
+                self.position = start;
+                Err(self.fault(quoted(&String::from_utf8_lossy(word)), expected))
+            }
+            None => Err(self.fault("the end of the file", expected)),
         }
     }
 

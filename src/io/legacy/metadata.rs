@@ -1,17 +1,21 @@
 //! `METADATA` blocks: component names and information keys of the array before them.
 
 use crate::io::array::{DataArray, InformationKey, InformationValue};
+use crate::io::error::Fault;
 
 use super::lexer::{Lexer, decoded};
 
 /// Reads a block if one follows, up to the blank line that ends it.
-pub(super) fn read(lexer: &mut Lexer<'_>, array: &mut DataArray) {
+pub(super) fn read(lexer: &mut Lexer<'_>, array: &mut DataArray) -> Result<(), Fault> {
     if !lexer.accepts("METADATA") {
-        return;
+        return Ok(());
     }
     lexer.line();
     let mut lines = Vec::new();
-    while !lexer.is_at_end() {
+    loop {
+        if lexer.is_at_end() {
+            return Err(lexer.fault("the end of the file within METADATA", "a blank line after it"));
+        }
         let line = String::from_utf8_lossy(lexer.line().trim_ascii()).into_owned();
         if line.is_empty() {
             break;
@@ -42,4 +46,5 @@ pub(super) fn read(lexer: &mut Lexer<'_>, array: &mut DataArray) {
             array.information.push(InformationKey { name: decoded(name), location: decoded(location), value });
         }
     }
+    Ok(())
 }

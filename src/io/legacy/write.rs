@@ -62,7 +62,11 @@ fn geometry(geometry: &Geometry, wide: bool, file: &mut impl Write) -> io::Resul
         Geometry::ImageData { extent, origin, spacing, .. } => {
             dimensions(extent.dimensions(), file)?;
             // The format counts from 0, so the first point becomes the origin.
-            let first = [0, 1, 2].map(|axis| origin[axis] + f64::from(extent.0[2 * axis]) * spacing[axis]);
+            let first = [0, 1, 2].map(|axis| match extent.0[2 * axis] {
+                // Not even the sign of a zero changes.
+                0 => origin[axis],
+                index => origin[axis] + f64::from(index) * spacing[axis],
+            });
             writeln!(file, "SPACING {:?} {:?} {:?}", spacing[0], spacing[1], spacing[2])?;
             writeln!(file, "ORIGIN {:?} {:?} {:?}", first[0], first[1], first[2])
         }
