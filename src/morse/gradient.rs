@@ -96,8 +96,8 @@ pub struct DiscreteGradient {
 /// of one dimension on.
 ///
 /// # Cost
-/// O(s log s) for a lower star of s cells; one `u32` a cell kept, another one a triangle while it runs. Lower stars
-/// run in parallel; each cell is in one of them, so the result does not depend on the number of threads.
+/// O(s log s) for a lower star of s cells; 4 bytes a cell kept, 8 more a triangle or tetrahedron while it runs. Lower
+/// stars run in parallel; each cell is in one of them, so the result does not depend on the number of threads.
 ///
 /// # Source
 /// Robins, Wood, Sheppard 2011, algorithm *ProcessLowerStars*.
@@ -121,7 +121,10 @@ pub fn discrete_gradient(complex: &SimplicialComplex, order: &VertexOrder) -> Re
     if let Some(dimension) = counts.iter().position(|&count| count > LIMIT) {
         return Err(MorseError::TooManyCells { dimension, found: counts[dimension], limit: LIMIT });
     }
-    let owned = owned_triangles(complex, order);
+    let triangles = Owned::new(order, complex.triangles().len(), |triangle| {
+        complex.triangles()[triangle].into_iter().map(|vertex| vertex.0)
+    });
+    let tetrahedra = Owned::new(order, counts[3], |simplex| complex.simplex(simplex).iter().copied());
     let partners = counts.map(|count| (0..count).map(|_| AtomicU32::new(CRITICAL)).collect::<Vec<_>>());
     // Relaxed is enough: every cell is written by its one lower star, and read only after all threads have joined.
     let write = |cell: Cell, value: u32| {
@@ -133,7 +136,7 @@ pub fn discrete_gradient(complex: &SimplicialComplex, order: &VertexOrder) -> Re
             write(Cell::vertex(vertex), OUTSIDE);
             return;
         }
-        star.collect(complex, order, vertex, owned.at(vertex));
+        star.collect(complex, order, vertex, triangles.at(vertex), tetrahedra.at(vertex));
         star.pair(vertex, |lower, upper| {
             write(lower, upper.index);
             write(upper, lower.index | DOWN);
@@ -288,44 +291,35 @@ fn cell_counts(complex: &SimplicialComplex) -> [usize; 4] {
     [complex.vertex_count(), complex.edges().len(), complex.triangles().len(), tetrahedra]
 }
 
-/// The triangles of every lower star.
-struct OwnedTriangles {
+/// The cells of one dimension, grouped by lower star.
+struct Owned {
     offsets: Vec<u32>,
-    triangles: Vec<u32>,
+    cells: Vec<u32>,
 }
 
-impl OwnedTriangles {
-    fn at(&self, vertex: VertexId) -> &[u32] {
-        match self.offsets.get(vertex.index()..vertex.index() + 2) {
-            Some(range) => &self.triangles[range[0] as usize..range[1] as usize],
-            None => &[],
+impl Owned {
+    fn new<I: Iterator<Item = u32>>(order: &VertexOrder, count: usize, corners: impl Fn(usize) -> I + Sync) -> Self {
+        let ranks = order.ranks();
+        let highest = |cell| corners(cell).max_by_key(|&corner| ranks[corner as usize]);
+        let owners: Vec<u32> = (0..count).into_par_iter().filter_map(highest).collect();
+        let mut offsets = vec![0u32; order.len() + 1];
+        for &owner in &owners {
+            offsets[owner as usize + 1] += 1;
         }
+        for vertex in 0..order.len() {
+            offsets[vertex + 1] += offsets[vertex];
+        }
+        let mut next = offsets.clone();
+        let mut cells = vec![0u32; owners.len()];
+        for (cell, &owner) in owners.iter().enumerate() {
+            let slot = &mut next[owner as usize];
+            cells[*slot as usize] = cell as u32;
+            *slot += 1;
+        }
+        Self { offsets, cells }
     }
-}
 
-fn owned_triangles(complex: &SimplicialComplex, order: &VertexOrder) -> OwnedTriangles {
-    let ranks = order.ranks();
-    let owners: Vec<u32> = complex
-        .triangles()
-        .par_iter()
-        .map(|&[a, b, c]| {
-            let upper = if ranks[a.index()] > ranks[b.index()] { a } else { b };
-            if ranks[upper.index()] > ranks[c.index()] { upper.0 } else { c.0 }
-        })
-        .collect();
-    let mut offsets = vec![0u32; complex.vertex_count() + 1];
-    for &owner in &owners {
-        offsets[owner as usize + 1] += 1;
+    fn at(&self, vertex: VertexId) -> &[u32] {
+        &self.cells[self.offsets[vertex.index()] as usize..self.offsets[vertex.index() + 1] as usize]
     }
-    for vertex in 0..complex.vertex_count() {
-        offsets[vertex + 1] += offsets[vertex];
-    }
-    let mut next = offsets.clone();
-    let mut triangles = vec![0u32; owners.len()];
-    for (triangle, &owner) in owners.iter().enumerate() {
-        let slot = &mut next[owner as usize];
-        triangles[*slot as usize] = triangle as u32;
-        *slot += 1;
-    }
-    OwnedTriangles { offsets, triangles }
 }

@@ -40,13 +40,14 @@ impl LowerStar {
     /// Gathers the cells whose highest vertex is `vertex`.
     ///
     /// # Arguments
-    /// * `triangles`: numbers of the triangles whose highest vertex is `vertex`.
+    /// * `triangles`, `tetrahedra`: numbers of those whose highest vertex is `vertex`.
     pub(super) fn collect(
         &mut self,
         complex: &SimplicialComplex,
         order: &VertexOrder,
         vertex: VertexId,
         triangles: &[u32],
+        tetrahedra: &[u32],
     ) {
         let rank = order.rank(vertex);
         self.below.clear();
@@ -64,14 +65,10 @@ impl LowerStar {
             let key = self.key(order, vertex, complex.triangles()[triangle as usize].into_iter());
             self.cells.push((key, Cell { dimension: 2, index: triangle }));
         }
-        if complex.dimension() == 3 {
-            for &simplex in complex.star(vertex) {
-                let corners = complex.simplex(simplex as usize);
-                if corners.iter().all(|&corner| order.rank(VertexId(corner)) <= rank) {
-                    let key = self.key(order, vertex, corners.iter().map(|&corner| VertexId(corner)));
-                    self.cells.push((key, Cell { dimension: 3, index: simplex }));
-                }
-            }
+        for &simplex in tetrahedra {
+            let corners = complex.simplex(simplex as usize).iter();
+            let key = self.key(order, vertex, corners.map(|&corner| VertexId(corner)));
+            self.cells.push((key, Cell { dimension: 3, index: simplex }));
         }
         self.cells.sort_unstable();
         self.link();
@@ -102,8 +99,12 @@ impl LowerStar {
                     [0; 3]
                 }
                 2 => [self.edges[key[0] as usize - 1], self.edges[key[1] as usize - 1], 0],
-                _ => [[key[0], key[1], 0], [key[0], key[2], 0], [key[1], key[2], 0]]
-                    .map(|facet| self.cells.partition_point(|&(key, _)| key < facet) as u32),
+                _ => [[key[0], key[1], 0], [key[0], key[2], 0], [key[1], key[2], 0]].map(|facet| {
+                    // A triangle comes after the edge to its higher vertex, before the edge to the next one.
+                    let first = self.edges[facet[0] as usize - 1];
+                    let following = &self.cells[first as usize..number];
+                    first + following.partition_point(|&(key, _)| key < facet) as u32
+                }),
             };
             for &facet in &facets[..facet_count(cell)] {
                 self.cofacet_offsets[facet as usize + 1] += 1;

@@ -87,20 +87,23 @@ pub(super) fn separatrices_below(
 
 impl Descent {
     fn new(complex: &SimplicialComplex, gradient: &DiscreteGradient, start: Cell) -> Self {
-        let cells = topological(complex, gradient, start);
-        let place_of: HashMap<Cell, usize> = cells.iter().enumerate().map(|(place, &cell)| (cell, place)).collect();
-        let mut before = vec![Vec::new(); cells.len()];
+        let (visits, finished) = explore(complex, gradient, start);
+        let mut place_of = vec![0; visits.len()];
+        for (place, &visit) in finished.iter().rev().enumerate() {
+            place_of[visit] = place;
+        }
+        let mut before = vec![Vec::new(); visits.len()];
         let mut ends: Vec<(Cell, usize)> = Vec::new();
-        let mut paths = vec![0u64; cells.len()];
+        let mut paths = vec![0u64; visits.len()];
         paths[0] = 1;
-        for (place, &cell) in cells.iter().enumerate() {
-            for (facet, next) in steps(complex, gradient, cell) {
-                match next.map(|next| place_of[&next]) {
-                    Some(next) => {
-                        before[next].push((place, facet));
-                        paths[next] = paths[next].saturating_add(paths[place]);
+        for (place, &visit) in finished.iter().rev().enumerate() {
+            for step in visits[visit].steps.into_iter().flatten() {
+                match step {
+                    Step::End(facet) => ends.push((facet, place)),
+                    Step::On(facet, next) => {
+                        before[place_of[next]].push((place, facet));
+                        paths[place_of[next]] = paths[place_of[next]].saturating_add(paths[place]);
                     }
-                    None => ends.push((facet, place)),
                 }
             }
         }
@@ -112,6 +115,7 @@ impl Descent {
                 _ => grouped.push((end, vec![place])),
             }
         }
+        let cells = finished.iter().rev().map(|&visit| visits[visit].cell).collect();
         Self { cells, before, paths, ends: grouped }
     }
 
@@ -166,38 +170,47 @@ impl Descent {
     }
 }
 
-/// The facets through which V-paths leave a cell: critical ones, and ones paired with another cell, which is given.
-fn steps<'a>(
-    complex: &'a SimplicialComplex,
-    gradient: &'a DiscreteGradient,
-    cell: Cell,
-) -> impl Iterator<Item = (Cell, Option<Cell>)> + 'a {
-    facets(complex, cell).filter_map(move |facet| match gradient.pairing(facet) {
-        Pairing::Critical => Some((facet, None)),
-        Pairing::Up(next) if next != cell => Some((facet, Some(next))),
-        Pairing::Up(_) | Pairing::Down(_) | Pairing::Outside => None,
-    })
+/// A facet through which V-paths leave a cell.
+#[derive(Debug, Clone, Copy)]
+enum Step {
+    /// A critical facet, where a V-path ends.
+    End(Cell),
+    /// A facet paired with another cell, which has this number.
+    On(Cell, usize),
 }
 
-/// The cells of dimension k on V-paths from `start`, in an order in which V-paths rise.
-fn topological(complex: &SimplicialComplex, gradient: &DiscreteGradient, start: Cell) -> Vec<Cell> {
-    let followers = |cell: Cell| -> Vec<Cell> { steps(complex, gradient, cell).filter_map(|(_, next)| next).collect() };
-    let mut seen: std::collections::HashSet<Cell> = [start].into();
-    let mut stack = vec![(start, followers(start))];
+/// A cell on a V-path. Cells are numbered in the order of discovery.
+struct Visit {
+    cell: Cell,
+    steps: [Option<Step>; 4],
+}
+
+/// The cells of dimension k on V-paths from `start`, and their numbers in the order in which a search in depth leaves
+/// them: all that follow a cell are left before it, since no V-path is closed.
+fn explore(complex: &SimplicialComplex, gradient: &DiscreteGradient, start: Cell) -> (Vec<Visit>, Vec<usize>) {
+    let mut number_of: HashMap<Cell, usize> = [(start, 0)].into();
+    let mut visits = vec![Visit { cell: start, steps: [None; 4] }];
     let mut finished = Vec::new();
-    while let Some((cell, next)) = stack.last_mut() {
-        match next.pop() {
-            Some(follower) => {
-                if seen.insert(follower) {
-                    stack.push((follower, followers(follower)));
-                }
+    let mut stack = vec![(0, facets(complex, start).enumerate())];
+    while let Some((number, left)) = stack.last_mut() {
+        let number = *number;
+        let Some((slot, facet)) = left.next() else {
+            finished.push(number);
+            stack.pop();
+            continue;
+        };
+        visits[number].steps[slot] = match gradient.pairing(facet) {
+            Pairing::Critical => Some(Step::End(facet)),
+            Pairing::Up(next) if next != visits[number].cell => {
+                let following = *number_of.entry(next).or_insert_with(|| {
+                    visits.push(Visit { cell: next, steps: [None; 4] });
+                    stack.push((visits.len() - 1, facets(complex, next).enumerate()));
+                    visits.len() - 1
+                });
+                Some(Step::On(facet, following))
             }
-            None => {
-                finished.push(*cell);
-                stack.pop();
-            }
-        }
+            Pairing::Up(_) | Pairing::Down(_) | Pairing::Outside => None,
+        };
     }
-    finished.reverse();
-    finished
+    (visits, finished)
 }

@@ -164,10 +164,50 @@ fn on_a_closed_surface_saddles_of_both_sides_are_the_same() {
                     assert!(from_saddle >= 2, "vertex {saddle} has {from_saddle} separatrices on one side");
                 }
             }
+            let order = skeleton.order().expect("no boundary, no contradiction");
+            let place = |vertex: VertexId| order.iter().position(|&listed| listed == vertex).unwrap();
+            assert!(skeleton.descending.iter().flat_map(|p| p.windows(2)).all(|s| place(s[0]) > place(s[1])));
+            assert!(skeleton.ascending.iter().flat_map(|p| p.windows(2)).all(|s| place(s[0]) < place(s[1])));
             assert!(skeleton.descending.iter().all(|path| wanted.minima.contains(path.last().unwrap())));
             assert!(skeleton.ascending.iter().all(|path| wanted.maxima.contains(path.last().unwrap())));
         }
     }
+}
+
+proptest! {
+    #[test]
+    fn separatrices_of_an_order_never_contradict_it((complex, values) in meshes::random_field()) {
+        let order = VertexOrder::of_values(&values).unwrap();
+        let [minima, maxima] = KINDS.map(|kind| ExtremumGraph::new(&complex, &order, kind).unwrap());
+        let skeleton = separatrices(&minima, &maxima);
+        prop_assert!(skeleton.order().is_some());
+        for (paths, falls) in [(&skeleton.descending, true), (&skeleton.ascending, false)] {
+            for path in paths {
+                prop_assert!(path.windows(2).all(|step| order.is_below(step[1], step[0]) == falls));
+            }
+        }
+        for saddle in skeleton.saddles {
+            // In dimension 1 and where the mesh is pinched, minima are joined at maxima.
+            let is_maximum = maxima.extrema().contains(&saddle);
+            let is_minimum = minima.extrema().contains(&saddle);
+            prop_assert!(is_minimum || skeleton.descending.iter().any(|path| path[0] == saddle));
+            prop_assert!(is_maximum || skeleton.ascending.iter().any(|path| path[0] == saddle));
+        }
+    }
+}
+
+#[test]
+fn on_a_line_minima_are_joined_at_maxima() {
+    // Found by the property above: such a saddle has nothing above it.
+    let line = meshes::line(3);
+    let order = VertexOrder::of_values(&[0.0, 2.0, 1.0]).unwrap();
+    let [minima, maxima] = KINDS.map(|kind| ExtremumGraph::new(&line, &order, kind).unwrap());
+    let skeleton = separatrices(&minima, &maxima);
+    let v = VertexId;
+    assert_eq!(skeleton.saddles, [v(1)]);
+    assert_eq!(skeleton.descending, [vec![v(1), v(0)], vec![v(1), v(2)]]);
+    assert!(skeleton.ascending.is_empty());
+    assert_eq!(skeleton.order().unwrap(), [v(0), v(2), v(1)]);
 }
 
 #[test]
