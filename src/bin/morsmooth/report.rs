@@ -244,7 +244,6 @@ pub fn status_name(status: &morsmooth::qp::QpStatus) -> &'static str {
         QpStatus::Infeasible(_) => "infeasible (the field written is feasible, not optimal)",
         QpStatus::IterationLimit => "iteration limit (the field written is feasible, not optimal)",
         QpStatus::Stalled => "stalled (the field written is feasible, not optimal to the asked gap)",
-        _ => "ended",
     }
 }
 
