@@ -3,4 +3,5 @@
 
 mod datasets;
 mod house;
+mod plot;
 mod support;
