@@ -1,1 +1,21 @@
-//! To be written.
+//! Pictures to look at: fields before and after, persistence curves and diagrams.
+//!
+//! Pictures are PNG, charts are SVG. No file or font of the system is read, and the same input gives the same bytes.
+
+mod camera;
+mod canvas;
+mod chart;
+mod colour;
+mod curve;
+mod error;
+mod file;
+mod panel;
+mod picture;
+mod raster;
+mod ticks;
+
+pub use chart::{DiagramPoint, persistence_curve, persistence_diagram};
+pub use colour::ColourMap;
+pub use error::PlotError;
+pub use file::write_atomically;
+pub use picture::{FieldView, Picture, PictureOptions, before_after, field_picture};

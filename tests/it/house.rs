@@ -29,7 +29,7 @@ const FLOORS: [(&str, usize); 15] = [
 const FORBIDDEN: [(&str, &str); 1] = [("audit", "qp")];
 
 /// Where an outside crate may be named; nowhere else.
-const HOMES: [(&str, &[&str]); 14] = [
+const HOMES: [(&str, &[&str]); 15] = [
     ("faer", &["linalg"]),
     ("petgraph", &["morse", "monotone"]),
     ("spade", &["mesh/delaunay.rs"]),
@@ -42,6 +42,7 @@ const HOMES: [(&str, &[&str]); 14] = [
     ("plotters", &["plot"]),
     ("plotters_backend", &["plot"]),
     ("image", &["plot"]),
+    ("noto_sans_mono_bitmap", &["plot"]),
     ("clap", &["bin"]),
     ("indicatif", &["bin"]),
 ];

@@ -9,4 +9,5 @@ mod house;
 mod audit;
 mod morse;
 mod operators;
+mod plot;
 mod support;
