@@ -28,7 +28,7 @@ const REFINEMENTS: usize = 3;
 /// A score this much above the best ends the scan.
 const CLEARLY_WORSE: f64 = 1.3;
 /// Predictions after which no further fold is made.
-const PREDICTIONS: usize = 1_500;
+const PREDICTIONS: usize = 600;
 /// Most folds; each costs a factorisation a length.
 const FOLDS: usize = 6;
 
@@ -70,7 +70,7 @@ struct Trial {
 /// [`QpError`] if a linear system cannot be solved.
 ///
 /// # Cost
-/// About eight lengths, with a factorisation a fold each; one fold from 30,000 vertices on.
+/// About eight lengths, with a factorisation a fold each; one fold from about 12,000 vertices on.
 ///
 /// # Source
 /// Burman, Chow, Nolan 1994, section 2, h-block cross-validation.
