@@ -105,7 +105,7 @@ impl SimplicialComplex {
             return Err(MeshError::Dimension { found: dimension });
         }
         let stride = dimension + 1;
-        if simplices.len() % stride != 0 {
+        if !simplices.len().is_multiple_of(stride) {
             return Err(MeshError::Stride { found: simplices.len(), stride });
         }
         check_size("vertices", points.len())?;

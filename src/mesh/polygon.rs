@@ -63,8 +63,8 @@ fn project(outline: &[u32], points: &[[f64; 3]]) -> Option<Vec<[f64; 2]>> {
         }
     }
     let reach = spokes.iter().map(|&spoke| dot(spoke, spoke)).fold(0.0, f64::max);
-    // Written so that a NaN says "no area" too.
-    if !(norm(normal) > THIN * reach) {
+    let area = norm(normal);
+    if area.is_nan() || area <= THIN * reach {
         return None;
     }
     let axis = (0..3).max_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(2);

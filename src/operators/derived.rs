@@ -4,7 +4,7 @@
 //! *Horizontal dispersion of floatable particles*; Weiss 1991, *The dynamics of enstrophy transfer*.
 
 use super::error::{check_field, check_measures};
-use super::gradient::{CHUNK, vertex_average};
+use super::gradient::{CHUNK, measures, vertex_average};
 use super::OperatorError;
 use crate::mesh::{SimplicialComplex, cross, dot, minus, norm};
 use rayon::prelude::*;
@@ -67,7 +67,7 @@ impl std::fmt::Display for Derived {
 /// [`OperatorError::LengthMismatch`], [`OperatorError::NonFinite`], [`OperatorError::ZeroMeasure`].
 ///
 /// # Cost
-/// O(m), in parallel; nothing is stored but the result.
+/// O(m), in parallel; 8 bytes a simplex beside the result.
 ///
 /// # Example
 /// ```
@@ -84,17 +84,18 @@ pub fn derive(complex: &SimplicialComplex, vectors: &[[f64; 3]], derived: Derive
         return Ok(vectors.iter().map(|&vector| norm(vector)).collect());
     }
     check_measures(complex)?;
+    let measures = measures(complex);
     let undefined = |found, expected| Err(OperatorError::Undefined { derived, found, expected });
     let frame = match complex.dimension() {
         1 => return undefined("a curve", "a planar or volume mesh"),
-        2 => match plane(complex) {
+        2 => match plane(complex, &measures) {
             Some(normal) => Frame::Plane(normal),
             None => return undefined("a curved surface", "a planar or volume mesh"),
         },
         _ if derived == Derived::OkuboWeiss => return undefined("a volume", "a planar mesh (for volumes: q-criterion)"),
         _ => Frame::Space,
     };
-    let at_vertex = |vertex: usize| scalar(derived, &frame, &jacobian(complex, vectors, vertex));
+    let at_vertex = |vertex: usize| scalar(derived, &frame, &jacobian(complex, &measures, vectors, vertex));
     Ok((0..complex.vertex_count()).into_par_iter().with_min_len(CHUNK).map(at_vertex).collect())
 }
 
@@ -106,8 +107,8 @@ enum Frame {
 }
 
 /// The averaged gradient of each component of the vectors; rows are components.
-fn jacobian(complex: &SimplicialComplex, vectors: &[[f64; 3]], vertex: usize) -> [[f64; 3]; 3] {
-    vertex_average(complex, vertex, |basis, corners| {
+fn jacobian(complex: &SimplicialComplex, measures: &[f64], vectors: &[[f64; 3]], vertex: usize) -> [[f64; 3]; 3] {
+    vertex_average(complex, measures, vertex, |basis, corners| {
         let mut rows = [[0.0; 3]; 3];
         for (dual, &corner) in basis.iter().zip(&corners[1..]) {
             let rise = minus(vectors[corner as usize], vectors[corners[0] as usize]);
@@ -147,9 +148,8 @@ fn scalar(derived: Derived, frame: &Frame, jacobian: &[[f64; 3]; 3]) -> f64 {
 }
 
 /// The unit normal of a planar complex, along the positive axis to which it is nearest; `None` for a curved one.
-fn plane(complex: &SimplicialComplex) -> Option<[f64; 3]> {
-    let measures = (0..complex.simplex_count()).into_par_iter().with_min_len(CHUNK).map(|simplex| (complex.measure(simplex), simplex));
-    let (_, widest) = measures.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
+fn plane(complex: &SimplicialComplex, measures: &[f64]) -> Option<[f64; 3]> {
+    let widest = (0..measures.len()).max_by(|&a, &b| measures[a].total_cmp(&measures[b]))?;
     let corners = complex.simplex(widest);
     let at = |corner: usize| complex.points()[corners[corner] as usize];
     let (a, b) = (minus(at(1), at(0)), minus(at(2), at(0)));

@@ -44,23 +44,32 @@ pub fn gradients(complex: &SimplicialComplex, values: &[f64]) -> Result<Vec<[f64
 pub fn vertex_gradients(complex: &SimplicialComplex, values: &[f64]) -> Result<Vec<[f64; 3]>, OperatorError> {
     check_field(complex, values.iter().map(|&value| [value]))?;
     check_measures(complex)?;
-    let average = |vertex: usize| vertex_average(complex, vertex, |basis, corners| [combine(basis, corners, values)])[0];
+    let measures = measures(complex);
+    let gradient = |basis: &[[f64; 3]; 3], corners: &[u32]| [combine(basis, corners, values)];
+    let average = |vertex: usize| vertex_average(complex, &measures, vertex, gradient)[0];
     Ok((0..complex.vertex_count()).into_par_iter().with_min_len(CHUNK).map(average).collect())
+}
+
+/// The measure of every top simplex.
+pub(super) fn measures(complex: &SimplicialComplex) -> Vec<f64> {
+    let simplices = (0..complex.simplex_count()).into_par_iter().with_min_len(CHUNK);
+    simplices.map(|simplex| complex.measure(simplex)).collect()
 }
 
 /// The average of gradients over the simplices at a vertex, weighted by measure.
 pub(super) fn vertex_average<const N: usize>(
     complex: &SimplicialComplex,
+    measures: &[f64],
     vertex: usize,
     gradients: impl Fn(&[[f64; 3]; 3], &[u32]) -> [[f64; 3]; N],
 ) -> [[f64; 3]; N] {
     let star = complex.star(VertexId::from(vertex));
-    let total: f64 = star.iter().map(|&simplex| complex.measure(simplex as usize)).sum();
+    let total: f64 = star.iter().map(|&simplex| measures[simplex as usize]).sum();
     let mut average = [[0.0; 3]; N];
     for &simplex in star {
         let simplex = simplex as usize;
         // A weight of at most 1 cannot overflow, whatever the unit of length.
-        let weight = complex.measure(simplex) / total;
+        let weight = measures[simplex] / total;
         let gradients = gradients(&dual_basis(complex, simplex), complex.simplex(simplex));
         for (sum, gradient) in average.iter_mut().zip(gradients) {
             for (slot, part) in sum.iter_mut().zip(gradient) {

@@ -2,11 +2,9 @@
 
 use super::OperatorError;
 use super::error::check_measures;
+use super::gradient::{CHUNK, measures};
 use crate::mesh::SimplicialComplex;
 use rayon::prelude::*;
-
-/// Vertices handled by one parallel task. Any size gives the same result.
-const CHUNK: usize = 4096;
 
 /// The barycentric lumped mass: every simplex gives each of its corners an equal share of its measure.
 ///
@@ -24,8 +22,7 @@ const CHUNK: usize = 4096;
 /// O(m), in parallel.
 pub fn lumped_mass(complex: &SimplicialComplex) -> Result<Vec<f64>, OperatorError> {
     check_measures(complex)?;
-    let simplices = (0..complex.simplex_count()).into_par_iter().with_min_len(CHUNK);
-    let measures: Vec<f64> = simplices.map(|simplex| complex.measure(simplex)).collect();
+    let measures = measures(complex);
     let share = (complex.dimension() + 1) as f64;
     let vertices = (0..complex.vertex_count()).into_par_iter().with_min_len(CHUNK);
     let mass: Vec<f64> = vertices

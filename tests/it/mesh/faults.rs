@@ -161,3 +161,26 @@ fn a_complex_may_have_loose_vertices() {
     assert_eq!(domain.point_of_vertex(), [1, 2, 4]);
     assert_eq!(domain.notes, [MeshFault::UnreferencedPoints { count: 2, first: 0 }]);
 }
+
+#[test]
+fn counts_and_first_places_hold_across_parallel_tasks() {
+    let count = 20_000u32;
+    let points: Vec<[f64; 3]> = (0..count + 2).map(|i| [i as f64, (i % 2) as f64, 0.0]).collect();
+    let mut cells = CellList::new();
+    for i in 0..count {
+        match i {
+            9_000 | 15_000 => cells.push(CellShape::Triangle, &[i, i, i + 2]),
+            12_000 | 17_000 => cells.push(CellShape::Line, &[i, i + 2]),
+            19_000 => cells.push(CellShape::Triangle, &[102, 101, 100]),
+            _ => cells.push(CellShape::Triangle, &[i, i + 1, i + 2]),
+        }
+    }
+    let domain = Domain::from_cells(&points, &cells, &Mask::none()).unwrap();
+    let expected = [
+        MeshFault::DuplicateCells { count: 1, first: 100, second: 19_000 },
+        MeshFault::LowerDimensionalCells { count: 2, first: 12_000, dimension: 2 },
+        MeshFault::CollapsedCells { count: 2, first: 9_000 },
+    ];
+    assert_eq!(domain.notes, expected);
+    assert_eq!(domain.complex.simplex_count(), 19_995);
+}

@@ -5,6 +5,7 @@ mod faults;
 mod grids;
 mod masks;
 mod polygons;
+mod real;
 mod refusals;
 pub mod shapes;
 pub mod timing;

@@ -23,7 +23,7 @@ fn random_block(dims: [usize; 3], jitter: f64, seed: u64) -> (Vec<[f64; 3]>, Cel
     }
     let mut cells = CellList::new();
     for (i, j) in (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))) {
-        let (wedges, turn) = (noise.bits() % 3 == 0, (noise.bits() % 4) as usize);
+        let (wedges, turn) = (noise.bits().is_multiple_of(3), (noise.bits() % 4) as usize);
         for k in 0..nz {
             let outline = |k: usize| [at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)];
             let (bottom, top) = (outline(k), outline(k + 1));
