@@ -1,4 +1,6 @@
 //! One test binary that mirrors `src/`.
 #![allow(clippy::unwrap_used, clippy::print_stderr, clippy::print_stdout)]
 
+mod linalg;
+mod qp;
 mod support;
