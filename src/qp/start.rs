@@ -6,7 +6,7 @@ use super::product::{dot, largest};
 use super::{Problem, QpError};
 
 /// Smallest slack of a start without a feasible point, relative to the mean violation or slack.
-const COLD_FLOOR: f64 = 1e-1;
+const COLD_FLOOR: f64 = 3e-2;
 
 /// Smallest slack and dual of a warm start, relative to the mean slack and to the duals of a cold start.
 const WARM_FLOOR: f64 = 1e-4;

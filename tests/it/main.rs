@@ -10,4 +10,6 @@ mod audit;
 mod morse;
 mod operators;
 mod plot;
+mod linalg;
+mod qp;
 mod support;
