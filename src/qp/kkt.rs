@@ -90,7 +90,7 @@ fn measured(interior: &Interior<'_>, stationarity: &mut [f64], primal: &mut [f64
         violation = violation.max(-*value).max((*value - s).abs());
         *value -= s;
     }
-    let row_size = rows.offset_size.max(largest(&point.s));
+    let row_size = rows.offset_size + rows.largest_image(&point.x);
     Measure {
         objective: value,
         kkt: KktResiduals {
@@ -98,7 +98,8 @@ fn measured(interior: &Interior<'_>, stationarity: &mut [f64], primal: &mut [f64
             rounding: relative(f64::EPSILON * addends, force),
             primal: relative(violation, row_size),
             complementarity: relative(most, unit),
-            duality_gap: relative(gap.abs(), unit),
+            // Nothing below an ulp of the objective can be told.
+            duality_gap: if rows.len() == 0 { 0.0 } else { relative(gap.abs(), unit).max(f64::EPSILON) },
         },
     }
 }
@@ -124,8 +125,8 @@ pub(super) fn certificate(interior: &Interior<'_>) -> Option<Certificate> {
     let mut image = vec![0.0; point.x.len()];
     rows.add_transposed(1.0, &point.z, &mut image);
     let sum: f64 = image.iter().map(|value| value.abs()).sum();
-    // Any x that could still be feasible would lie a million times farther out than the present one.
-    if sum * 1e6 * largest(&point.x).max(f64::MIN_POSITIVE) > -conflict {
+    // Any x that could still be feasible would lie a million times farther out than the present one and all known values.
+    if sum * 1e6 * largest(&point.x).max(rows.offset_size) >= -conflict {
         return None;
     }
     let chosen: Vec<usize> = (0..rows.len()).filter(|&row| point.z[row] > 1e-6 * top).collect();
