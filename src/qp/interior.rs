@@ -57,7 +57,8 @@ pub(super) struct Interior<'a> {
     pub primal: Vec<f64>,
     weights: Vec<f64>,
     target: Vec<f64>,
-    side: Vec<f64>,
+    /// Right-hand side of the normal equations; free between two directions.
+    pub side: Vec<f64>,
     step: Triple,
     trial: Triple,
     pub solves: usize,
