@@ -174,9 +174,9 @@ fn triangles(pattern: &CsrMatrix, order: &[u32], inverse: &[u32]) -> (Triangle, 
     let mut upper = (Vec::with_capacity(n + 1), Vec::with_capacity(pattern.entries() / 2 + n));
     upper.0.push(0);
     let mut lower_starts = vec![0u32; n + 1];
-    for new in 0..n {
+    for (new, &old) in order.iter().enumerate() {
         let begin = upper.1.len();
-        let above = pattern.row(order[new] as usize).0.iter().map(|&old| inverse[old as usize]);
+        let above = pattern.row(old as usize).0.iter().map(|&old| inverse[old as usize]);
         upper.1.extend(above.filter(|&other| (other as usize) < new));
         upper.1[begin..].sort_unstable();
         upper.1.push(new as u32);

@@ -103,8 +103,8 @@ fn principal_axes(points: &[[f64; 3]]) -> ([[f64; 3]; 3], [f64; 3]) {
             let theta = 0.5 * (matrix[q][q] - matrix[p][p]) / matrix[p][q];
             let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
             let (c, s) = (1.0 / t.hypot(1.0), t / t.hypot(1.0));
-            for k in 0..3 {
-                (matrix[k][p], matrix[k][q]) = (c * matrix[k][p] - s * matrix[k][q], s * matrix[k][p] + c * matrix[k][q]);
+            for row in &mut matrix {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }
             for k in 0..3 {
                 (matrix[p][k], matrix[q][k]) = (c * matrix[p][k] - s * matrix[q][k], s * matrix[p][k] + c * matrix[q][k]);

@@ -1,4 +1,6 @@
 //! A sheet of pixels and what is drawn on it: rectangles, smooth lines and discs, text.
+//!
+//! The letters are Noto Sans Mono (SIL Open Font License 1.1), rasterised inside of the crate `noto-sans-mono-bitmap`.
 
 use super::colour::{Rgb, WHITE, mix};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};

@@ -215,7 +215,7 @@ fn panels(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &Pict
         let shown = draw_field(&mut canvas, area, &triangles, &view, field, &scale);
         has_outside |= shown.has_outside;
         if shown.hidden > 0 {
-            let text = format!("{} extrema on the far side", shown.hidden);
+            let text = format!("{} extrema out of sight", shown.hidden);
             let bottom = top + height - LABEL.height();
             canvas.text(left + width, bottom, Align::Right, LABEL, FAINT_INK, &text);
         }

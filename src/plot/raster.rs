@@ -85,16 +85,32 @@ pub(super) fn rasterise(
         light: vec![1.0; count],
     };
     let places: Vec<[f64; 3]> = view.positions.iter().map(|&position| fit.place(position)).collect();
+    let members = strips(triangles, &places, height);
     let strip = STRIP * width;
     let rows = samples.value.par_chunks_mut(strip).zip(samples.depth.par_chunks_mut(strip));
     rows.zip(samples.light.par_chunks_mut(strip)).enumerate().for_each(|(at, ((value, depth), lit))| {
         let mut strip = Strip { width, first: at * STRIP, value, depth, light: lit };
-        for corners in triangles {
-            let corners = corners.map(|v| v as usize);
+        for &triangle in &members[at] {
+            let corners = triangles[triangle as usize].map(|v| v as usize);
             strip.add(corners.map(|v| places[v]), corners.map(|v| values[v]), corners.map(|v| light[v]));
         }
     });
     samples
+}
+
+/// The triangles that reach into each strip, in their order.
+fn strips(triangles: &[[u32; 3]], places: &[[f64; 3]], height: usize) -> Vec<Vec<u32>> {
+    let mut members = vec![Vec::new(); height.div_ceil(STRIP)];
+    for (corners, triangle) in triangles.iter().zip(0..) {
+        let down = corners.map(|v| places[v as usize][1]);
+        let low = down[0].min(down[1]).min(down[2]) - 0.5;
+        let high = down[0].max(down[1]).max(down[2]) + 0.5;
+        // Conversion to an integer is saturating: what lies above the rectangle starts in its first strip.
+        for strip in low as usize / STRIP..=(high as usize / STRIP).min(members.len() - 1) {
+            members[strip].push(triangle);
+        }
+    }
+    members
 }
 
 /// Some rows of the samples.

@@ -14,7 +14,7 @@ pub(super) fn round_step(rough: f64) -> f64 {
 pub(super) fn ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
     let step = round_step((high - low) / count.max(1) as f64);
     // Steps too small for the size of the numbers cannot be told apart in their last digit.
-    if !(step > high.abs().max(low.abs()) * 1e-12) {
+    if step <= high.abs().max(low.abs()) * 1e-12 {
         return vec![(low, number(low))];
     }
     let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());

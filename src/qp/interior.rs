@@ -11,6 +11,9 @@ use super::{Engine, Problem, Progress, QpError, QpStatus, Settings, Solution, Ti
 /// Most of the centring that a predictor may ask for; a cap saves iterations from a good start (measured).
 const LARGEST_SIGMA: f64 = 0.1;
 
+/// Below this length of the predictor the point is far from the centre, and centring is worth a whole step.
+const BLOCKED: f64 = 0.1;
+
 /// A direction, or a point, in x, slack and dual.
 #[derive(Clone)]
 pub(super) struct Triple {
@@ -54,7 +57,8 @@ pub(super) struct Interior<'a> {
     pub primal: Vec<f64>,
     weights: Vec<f64>,
     target: Vec<f64>,
-    side: Vec<f64>,
+    /// Right-hand side of the normal equations; free between two directions.
+    pub side: Vec<f64>,
     step: Triple,
     trial: Triple,
     pub solves: usize,
@@ -66,8 +70,9 @@ impl Engine {
     ///
     /// # Arguments
     /// * `problem`: objective and rows inside the engine's pattern.
-    /// * `start`: a point with `A x + b > 0` in every row saves about a third of the iterations; entries at fixed unknowns are
-    ///   ignored. `None` starts from the minimiser without rows.
+    /// * `start`: a point with `A x + b > 0` in every row is taken as it is; of any other point, best the minimiser without
+    ///   rows where the caller has it, x is taken and the slacks are lifted. `None` computes that minimiser, for one
+    ///   factorisation more. Entries at fixed unknowns are ignored.
     /// * `settings`: tolerances and limits.
     /// * `progress`: called once an iteration.
     ///
@@ -252,7 +257,8 @@ impl Interior<'_> {
         for row in 0..self.rows.len() {
             after += (self.point.s[row] + reach * self.step.s[row]) * (self.point.z[row] + reach * self.step.z[row]);
         }
-        let sigma = (after / m / mu).powi(3).min(LARGEST_SIGMA);
+        let wanted = (after / m / mu).powi(3);
+        let sigma = if reach < BLOCKED { wanted } else { wanted.min(LARGEST_SIGMA) };
         // Corrector: centred, with the full second-order term.
         for row in 0..self.rows.len() {
             self.target[row] =

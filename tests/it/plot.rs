@@ -73,7 +73,7 @@ fn a_ramp_has_the_colours_of_its_values_and_marks_at_its_ends() {
     assert_eq!(picture.width(), 600);
     let ([left, row], blue) = centre(&picture, BLUE);
     let ([right, other_row], red) = centre(&picture, RED);
-    assert!(blue > 60 && red > 60, "discs of about 80 pixels: {blue}, {red}");
+    assert!(blue > 50 && red > 50, "discs of some 60 pixels: {blue}, {red}");
     assert!(left < right && (row - other_row).abs() < 1.0);
     // Off the row of marks and between two isolines, which lie on multiples of 2.
     for (value, tolerance) in [(3.0, 6), (9.0, 6), (17.0, 6)] {
@@ -144,7 +144,7 @@ fn a_surface_hides_what_is_behind_it() {
     let values = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
     let (front, back) = ([VertexId(4)], [VertexId(5)]);
     let picture = field_picture(&surface, &view(&values, &back, &front), &narrow()).unwrap();
-    assert!(centre(&picture, RED).1 > 60, "the apex towards the eye is marked");
+    assert!(centre(&picture, RED).1 > 50, "the apex towards the eye is marked");
     assert_eq!(centre(&picture, BLUE).1, 0, "the apex behind is not");
     // Four tetrahedra about the axis have the same hull and give the same picture.
     let solid = [0, 2, 4, 5, 2, 1, 4, 5, 1, 3, 4, 5, 3, 0, 4, 5];
