@@ -77,9 +77,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         pins[vertex.index()] = Some(value);
     }
     let pinned = fitter.minimiser(&data, &weights, &pins)?;
-    let function = representative(complex, &VertexOrder::of_values(&pinned)?, &wanted)?;
-    let graph = MonotonicityGraph::new(complex, &function.order, &wanted, EdgeSet::Minimal);
-    let levels = levels(&graph, &rules, measured.range())?;
+    // Rounding to the stored width may have moved the greatest value beyond the range.
+    let range = pins.iter().flatten().fold(measured.range(), |(low, high), &value| (low.min(value), high.max(value)));
+    // As the program does: the pinned field, simplified; if that order contradicts the wanted values, the selected field.
+    let guide = |order: &VertexOrder| -> Result<_, Box<dyn Error>> {
+        let graph = MonotonicityGraph::new(complex, &representative(complex, order, &wanted)?.order, &wanted, EdgeSet::Minimal);
+        let levels = levels(&graph, &rules, range).map_err(|found| format!("the order contradicts the values: {found:?}"))?;
+        Ok((graph, levels))
+    };
+    let (graph, levels) = guide(&VertexOrder::of_values(&pinned)?).or_else(|_| guide(&measured.order))?;
     // The margins of the program: a part of what the levels rise, so that rounding to the stored width leaves no ties.
     let margin = if precision == Precision::F32 { 1e-4 } else { 1e-6 };
     let constraints = MonotoneConstraints { graph: &graph, levels: &levels, rules: &rules, margin, feasible: None };
