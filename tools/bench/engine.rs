@@ -1,7 +1,7 @@
 //! The engine against one factorisation plus one solve, and against clarabel.
 //!
 //! ```text
-//! RAYON_NUM_THREADS=1 cargo run --release --example engine -- [sides 71,123,241] [orders 2] [cases data,nodata,smooth] [clarabel]
+//! RAYON_NUM_THREADS=1 cargo run --release --example engine -- [sides 71,123,241] [orders 2] [cases data,nodata,smooth] [clarabel] [warm]
 //! ```
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
@@ -32,6 +32,26 @@ fn main() {
                 run(side.parse().unwrap(), order.parse().unwrap(), case, with_peer);
             }
         }
+    }
+}
+
+/// Restarts from an iterate stored at a gap of 1e-3 after the data changed by a little noise.
+fn warm(engine: &mut Engine, made: &problems::Instance, settings: &Settings) {
+    let rough = Settings { relative_gap: 1e-3, residual: 1e-3, ..*settings };
+    let saved = engine.solve(&made.problem, Some(&made.start), &rough, &mut |_| {}).unwrap();
+    for share in [0.0, 0.01, 0.1] {
+        let mut problem = made.problem.clone();
+        let mut random = problems::Random(99);
+        problem.objective.linear.iter_mut().for_each(|q| *q *= 1.0 + share * random.normal());
+        let cold = engine.solve(&problem, Some(&made.start), settings, &mut |_| {}).unwrap();
+        let next = engine.solve_warm(&problem, (&saved.x, &saved.dual), settings, &mut |_| {}).unwrap();
+        println!(
+            "data changed by {share}: {} iterations cold, {} warm ({:?}), energies differ by {:.1e}",
+            cold.iterations,
+            next.iterations,
+            next.status,
+            (next.objective - cold.objective) / cold.objective
+        );
     }
 }
 
@@ -77,6 +97,9 @@ fn run(side: usize, order: usize, case: Case, with_peer: bool) {
         solution = Some(next);
     }
     let solution = solution.unwrap();
+    if std::env::args().any(|argument| argument == "warm") {
+        warm(&mut engine, &made, &settings);
+    }
     let peer = if with_peer {
         let (iterations, seconds, energy) = peer::clarabel(&made.problem);
         format!("{iterations}, {seconds:.2}, {:.1e}", (energy - solution.objective) / solution.objective)
