@@ -7,6 +7,8 @@ use super::{Certificate, KktResiduals, Progress, Settings};
 /// The residuals of a point and its objective.
 pub(super) struct Measure {
     pub objective: f64,
+    /// What gaps are relative to.
+    pub unit: f64,
     pub kkt: KktResiduals,
 }
 
@@ -102,6 +104,7 @@ fn measured(
     let row_size = rows.offset_size + rows.largest_image(&point.x);
     Measure {
         objective: value,
+        unit,
         kkt: KktResiduals {
             stationarity: relative(residual, force),
             rounding: relative(4.0 * f64::EPSILON * addends, force),

@@ -182,6 +182,9 @@ fn check(complex: &SimplicialComplex, data: &[f64], options: &SmoothOptions<'_>)
         true => Ok(()),
         false => Err(SmoothError::OptionRange { option, found, expected }),
     };
+    if complex.simplex_count() == 0 {
+        return Err(SmoothError::Empty { vertices: complex.vertex_count(), simplices: 0 });
+    }
     range("order", options.order as f64, "1, 2, 3 or 4", (1..=4).contains(&options.order))?;
     match options.length {
         Length::OfDiagonal(found) | Length::Absolute(found) => {

@@ -1,7 +1,7 @@
 //! The engine against one factorisation plus one solve, and against clarabel.
 //!
 //! ```text
-//! RAYON_NUM_THREADS=1 cargo run --release --example engine -- [sides 71,123,241] [orders 2] [cases data,nodata,smooth] [clarabel]
+//! RAYON_NUM_THREADS=1 cargo run --release --example engine -- [sides 71,123,241] [orders 2] [cases data,nodata,smooth] [clarabel] [warm] [excess]
 //! ```
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
@@ -32,6 +32,40 @@ fn main() {
                 run(side.parse().unwrap(), order.parse().unwrap(), case, with_peer);
             }
         }
+    }
+}
+
+/// What the stationarity residual r adds to the gap at most: half of r' inverse(P) r, relative to the objective.
+fn excess(engine: &mut Engine, made: &problems::Instance, solution: &morsmooth::qp::Solution) {
+    let problem = &made.problem;
+    let mut residual = vec![0.0; problem.fixed.len()];
+    problem.objective.gradient_into(&solution.x, &mut residual);
+    let forces = problem.constraints.matrix.transpose().multiply(&solution.dual);
+    residual.iter_mut().zip(&forces).for_each(|(r, f)| *r -= f);
+    residual.iter_mut().zip(&problem.fixed).filter(|(_, fixed)| fixed.is_some()).for_each(|(r, _)| *r = 0.0);
+    let mut step = residual.clone();
+    let left = engine.pin(&problem.objective, &problem.fixed).unwrap().solve(&mut step).unwrap();
+    let energy: f64 = residual.iter().zip(&step).map(|(r, d)| 0.5 * r * d).sum();
+    println!("the residual adds {:.1e} to the gap (solved to {left:.1e})", energy / solution.objective);
+}
+
+/// Restarts from an iterate stored at a gap of 1e-3 after the data changed by a little noise.
+fn warm(engine: &mut Engine, made: &problems::Instance, settings: &Settings) {
+    let rough = Settings { relative_gap: 1e-3, residual: 1e-3, ..*settings };
+    let saved = engine.solve(&made.problem, Some(&made.start), &rough, &mut |_| {}).unwrap();
+    for share in [0.0, 0.01, 0.1] {
+        let mut problem = made.problem.clone();
+        let mut random = problems::Random(99);
+        problem.objective.linear.iter_mut().for_each(|q| *q *= 1.0 + share * random.normal());
+        let cold = engine.solve(&problem, Some(&made.start), settings, &mut |_| {}).unwrap();
+        let next = engine.solve_warm(&problem, (&saved.x, &saved.dual), settings, &mut |_| {}).unwrap();
+        println!(
+            "data changed by {share}: {} iterations cold, {} warm ({:?}), energies differ by {:.1e}",
+            cold.iterations,
+            next.iterations,
+            next.status,
+            (next.objective - cold.objective) / cold.objective
+        );
     }
 }
 
@@ -77,6 +111,12 @@ fn run(side: usize, order: usize, case: Case, with_peer: bool) {
         solution = Some(next);
     }
     let solution = solution.unwrap();
+    if std::env::args().any(|argument| argument == "warm") {
+        warm(&mut engine, &made, &settings);
+    }
+    if std::env::args().any(|argument| argument == "excess") {
+        excess(&mut engine, &made, &solution);
+    }
     let peer = if with_peer {
         let (iterations, seconds, energy) = peer::clarabel(&made.problem);
         format!("{iterations}, {seconds:.2}, {:.1e}", (energy - solution.objective) / solution.objective)
