@@ -2,7 +2,7 @@
 """Exactly the wanted extrema, on seven measured fields: every threshold, strategy and order, read back with VTK.
 
 Usage:  python tools/bars/exact.py [--program target/release/morsmooth] [--data ../shared/data] [--results FILE.jsonl]
-                                   [--fields NAME ...] [--orders 1 2 3 4] [-j 1] [--table]
+                                   [--fields NAME ...] [--orders 1 2 3 4] [--thresholds 2 20 40] [-j 1] [--table]
 Needs:  pip install numpy==2.4.6 vtk==9.7.2 pyvista==0.49.1
 
 Fields: vorticity magnitude of an air jet, a soap film and an urban canopy, curvature, depth and thickness of a cortex,
@@ -61,12 +61,12 @@ TIMEOUT = 3600
 Run = collections.namedtuple("Run", "field threshold strategy order select")
 
 
-def plan(fields, orders):
+def plan(fields, orders, thresholds):
     """All runs, cheap ones first."""
     runs = []
     for field in fields:
         for order in orders:
-            for threshold in THRESHOLDS:
+            for threshold in thresholds:
                 for strategy in STRATEGIES:
                     runs.append(Run(field, threshold, strategy, order, "data"))
                     if strategy == STRATEGIES[0] or (threshold, order) == (20, 2):
@@ -194,6 +194,7 @@ def main():
     parser.add_argument("--results", default=os.path.join(ROOT, "target/exact.jsonl"))
     parser.add_argument("--fields", nargs="+", choices=FIELDS, default=list(FIELDS))
     parser.add_argument("--orders", nargs="+", type=int, default=[1, 2, 3, 4])
+    parser.add_argument("--thresholds", nargs="+", type=int, choices=THRESHOLDS, default=list(THRESHOLDS), metavar="PERCENT")
     parser.add_argument("-j", "--jobs", type=int, default=1, help="programs at a time, each with one thread")
     parser.add_argument("--table", action="store_true", help="run nothing")
     given = parser.parse_args()
@@ -201,7 +202,7 @@ def main():
     with open(given.program, "rb") as binary:
         digest = hashlib.sha256(binary.read()).hexdigest()[:12]
     given.program = os.path.join(".", given.program)
-    runs, records = plan(given.fields, given.orders), {}
+    runs, records = plan(given.fields, given.orders, given.thresholds), {}
     if os.path.exists(given.results):
         with open(given.results) as lines:
             for record in map(json.loads, lines):
