@@ -51,6 +51,19 @@ pub struct MonotoneFit {
     pub factorizations: usize,
 }
 
+/// The quadratic problem of a monotone fit, over `x = (f - shift) / unit`.
+#[derive(Debug, Clone)]
+pub struct MonotoneProblem {
+    /// The problem, its objective divided by the total mass and by `unit²`.
+    pub problem: Problem,
+    /// A strictly feasible point, `n` numbers.
+    pub start: Vec<f64>,
+    /// Middle of the data, in their units.
+    pub shift: f64,
+    /// Range of the data.
+    pub unit: f64,
+}
+
 /// Fields of least energy on one mesh: one analysis of the pattern, many solves.
 pub struct Fitter<'a> {
     complex: &'a SimplicialComplex,
@@ -136,6 +149,47 @@ impl<'a> Fitter<'a> {
         Ok(columns.map(|(column, shift)| column.iter().map(|value| value + shift).collect()).collect())
     }
 
+    /// The problem that [`Fitter::monotone`] solves, for another solver.
+    ///
+    /// # Arguments
+    /// As there.
+    ///
+    /// # Errors
+    /// [`QpError`] if there are not as many rules as vertices.
+    ///
+    /// # Cost
+    /// O(n + m).
+    ///
+    /// # Source
+    /// Jacobson, Weinkauf, Sorkine 2012, eq. 12–14.
+    pub fn problem(
+        &self,
+        data: &[f64],
+        weights: &EnergyWeights<'_>,
+        constraints: &MonotoneConstraints<'_>,
+        near: &[f64],
+    ) -> Result<MonotoneProblem, QpError> {
+        let (shift, unit) = units(data);
+        let (rows, offset) = order_rows(constraints, (shift, unit))?;
+        let fixed = constraints
+            .rules
+            .iter()
+            .map(|rule| match rule {
+                ValueRule::Exactly(value) => Some((value - shift) / unit),
+                ValueRule::Free | ValueRule::Within(..) => None,
+            })
+            .collect();
+        let problem = Problem {
+            objective: objective(self.operators, data, weights, (shift, unit)),
+            fixed,
+            constraints: Constraints::nonnegative(rows, offset),
+        };
+        let swept = sweep(constraints.graph, constraints.levels, near);
+        let mixed = swept.iter().zip(&constraints.levels.values).map(|(near, level)| near + LEVEL_SHARE * (level - near));
+        let start = mixed.map(|value| (value - shift) / unit).collect();
+        Ok(MonotoneProblem { problem, start, shift, unit })
+    }
+
     /// The field of least energy that rises along the monotonicity edges.
     ///
     /// # Arguments
@@ -161,24 +215,7 @@ impl<'a> Fitter<'a> {
         settings: &Settings,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<MonotoneFit, QpError> {
-        let (shift, unit) = units(data);
-        let (rows, offset) = order_rows(constraints, (shift, unit))?;
-        let fixed = constraints
-            .rules
-            .iter()
-            .map(|rule| match rule {
-                ValueRule::Exactly(value) => Some((value - shift) / unit),
-                ValueRule::Free | ValueRule::Within(..) => None,
-            })
-            .collect();
-        let problem = Problem {
-            objective: objective(self.operators, data, weights, (shift, unit)),
-            fixed,
-            constraints: Constraints::nonnegative(rows, offset),
-        };
-        let swept = sweep(constraints.graph, constraints.levels, near);
-        let mixed = swept.iter().zip(&constraints.levels.values).map(|(near, level)| near + LEVEL_SHARE * (level - near));
-        let start: Vec<f64> = mixed.map(|value| (value - shift) / unit).collect();
+        let MonotoneProblem { problem, start, shift, unit } = self.problem(data, weights, constraints, near)?;
         let solution = self.engine.solve(&problem, Some(&start), settings, progress)?;
         let values: Vec<f64> = solution
             .x

@@ -20,7 +20,7 @@ mod separatrix;
 pub use blocks::{st_numbering, unreachable_regions};
 pub use edges::{EdgeSet, MonotonicityEdge, MonotonicityGraph};
 pub use energy::{EnergyWeights, Operators, energy_parts};
-pub use fit::{Fitter, MonotoneConstraints, MonotoneFit};
+pub use fit::{Fitter, MonotoneConstraints, MonotoneFit, MonotoneProblem};
 pub use flood::{Flooded, flood, has_exactly};
 pub use levels::{Contradiction, Levels, ValueRule, levels, sweep};
 pub use repair::{NotRepresentable, Precision, Repaired, Strictness, repair};

@@ -2,7 +2,7 @@
 """Count the minima and maxima of a point array of a VTK file, knowing nothing of morsmooth.
 
 Usage:  python tools/check/count_extrema.py FILE --array NAME [--mask NAME] [--json]
-Needs:  pip install numpy pyvista
+Needs:  pip install numpy==2.4.6 vtk==9.7.2 pyvista==0.49.1
 
 The neighbours of a point are those it shares an edge of a surviving simplex with. Grids of points are cut along the
 diagonals (0,0,0)-(1,1,1), in 2-D (i,j)-(i+1,j+1); other cells as VTK triangulates them (simplices stay as they are).

@@ -1,11 +1,11 @@
 """Extremum pairs of a VTK file by GUDHI, compared with those that morsmooth reports.
 
-    pip install gudhi numpy pyvista
+    pip install numpy==2.4.6 vtk==9.7.2 pyvista==0.49.1 gudhi==3.13.0
     python tools/reference/gudhi_pairs.py FILE --array A [--mask M] --report out.json
     python tools/reference/gudhi_pairs.py FILE --array A [--mask M] --program target/release/morsmooth
     python tools/reference/gudhi_pairs.py FILE --array A [--mask M] --example target/release/examples/extremum_pairs
     python tools/reference/gudhi_pairs.py FILE --array A [--mask M] --dump mesh.txt
-    python tools/reference/gudhi_pairs.py --fields DIR (--program P | --example E)
+    python tools/reference/gudhi_pairs.py --fields ../shared/data (--program target/release/morsmooth | --example E)
 
 Pairs are those of dimension 0 of the lower-star filtration of h (minima) and of -h (maxima), as multisets of
 (birth, death), compared bit for bit. Pairs of persistence 0 are left out: which of them there are depends on how ties are
@@ -15,7 +15,8 @@ broken. The report is JSON with two lists, both in values of h:
     maxima_pairs: [[value of the maximum, value of its saddle, or null if it is essential], ...]
 
 Grids are triangulated with the diagonal (i,j)-(i+1,j+1), boxes with Kuhn's six tetrahedra; a simplex stays if all its
-points are valid: the mask is not 0 and the value is a number. --fields compares the seven reference fields in DIR. Exit code 0 if all pairs are equal, 1 if not.
+points are valid: the mask is not 0 and the value is a number. --fields compares the seven reference fields in a directory.
+Exit code 0 if all pairs are equal, 1 if not.
 """
 
 import argparse
