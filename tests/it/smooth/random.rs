@@ -58,7 +58,7 @@ fn options() -> impl Strategy<Value = SmoothOptions<'static>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(512))]
+    #![proptest_config(ProptestConfig { cases: 2 * ProptestConfig::default().cases, ..ProptestConfig::default() })]
 
     #[test]
     fn the_right_field_or_a_refusal((complex, values) in masked_field(), options in options()) {
