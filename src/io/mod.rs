@@ -1,6 +1,6 @@
 //! Files in and out: VTK XML and legacy VTK, with everything that they hold.
 //!
-//! [`read`] gives a [`DataSet`]: geometry and arrays in the types and the order of the file. [`write`] and
+//! [`read`] gives a [`DataSet`]: geometry and arrays in the types and the order of the file. [`write()`] and
 //! [`write_temporary`] put it back; what was not changed survives bit for bit.
 
 mod array;

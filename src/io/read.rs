@@ -1,5 +1,7 @@
 //! Reading a file of any format that this module knows.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use super::dataset::DataSet;
@@ -20,18 +22,44 @@ use super::{legacy, xml};
 /// (1,040-fold for zlib, 256-fold for lz4, 65,536-fold for lzma).
 pub fn read(path: impl AsRef<Path>) -> Result<DataSet, IoError> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|source| IoError::Read { path: path.to_owned(), source })?;
+    let failed = |source| IoError::Read { path: path.to_owned(), source };
+    let file = File::open(path).map_err(failed)?;
+    let metadata = file.metadata().map_err(failed)?;
+    // What is no file, such as a pipe, has no length and cannot be read from the middle.
+    let length = usize::try_from(metadata.len()).ok().filter(|_| metadata.is_file()).unwrap_or(0);
+    let mut bytes = Vec::new();
+    let mut step = HEAD;
+    while length > LARGE && bytes.len() < length {
+        (&file).take(step).read_to_end(&mut bytes).map_err(failed)?;
+        if !is_xml(&bytes) || bytes.len() < HEAD as usize {
+            break;
+        }
+        if xml::reaches_raw_data(&bytes) {
+            let source = xml::Source::File { file: &file, length };
+            return xml::read(&bytes, source).map_err(|fault| fault.in_file(path));
+        }
+        step = bytes.len() as u64;
+    }
+    (&file).read_to_end(&mut bytes).map_err(failed)?;
     read_bytes(&bytes).map_err(|fault| fault.in_file(path))
 }
 
-pub(super) fn read_bytes(bytes: &[u8]) -> Result<DataSet, Fault> {
+/// Larger files are read array by array where their format allows.
+const LARGE: usize = 1 << 22;
+/// Where the head of a large file is searched first; it doubles until it is found.
+const HEAD: u64 = 1 << 16;
+
+fn is_xml(bytes: &[u8]) -> bool {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<")
+}
+
+fn read_bytes(bytes: &[u8]) -> Result<DataSet, Fault> {
     const KNOWN: &str = "a serial VTK XML file or a legacy .vtk file";
     if bytes.starts_with(b"# vtk DataFile") {
         return legacy::read(bytes);
     }
-    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
-    if start.starts_with(b"<") {
-        return xml::read(bytes);
+    if is_xml(bytes) {
+        return xml::read(bytes, xml::Source::Memory(bytes));
     }
     let fault = |found: &str| Err(Fault::unsupported(Place::File, found, KNOWN));
     if bytes.is_empty() {

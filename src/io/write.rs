@@ -98,10 +98,11 @@ fn check(dataset: &DataSet) -> Result<(), Objection> {
         return Err((found, "whole tuples".into()));
     }
     for array in all_arrays(dataset) {
-        if let ArrayData::String(texts) = &array.data {
-            if texts.iter().any(|text| text.contains(&0)) {
+        match &array.data {
+            ArrayData::String(texts) if texts.iter().any(|text| text.contains(&0)) => {
                 return Err((format!("a zero byte within a text of array {}", quoted(&array.name)), "texts without".into()));
             }
+            _ => {}
         }
     }
     check_geometry(dataset)

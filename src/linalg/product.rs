@@ -4,6 +4,20 @@ use rayon::prelude::*;
 
 use super::CsrMatrix;
 
+/// Vectors below this length are not worth waking a thread for.
+const SHORT: usize = 32_768;
+
+/// Fills each entry of y from its index; in parallel where that pays, with the same bits.
+pub(super) fn each_row(y: &mut [f64], value: impl Fn(usize) -> f64 + Sync) {
+    if y.len() < SHORT || rayon::current_num_threads() == 1 {
+        for (row, slot) in y.iter_mut().enumerate() {
+            *slot = value(row);
+        }
+    } else {
+        y.par_iter_mut().with_min_len(4096).enumerate().for_each(|(row, slot)| *slot = value(row));
+    }
+}
+
 impl CsrMatrix {
     /// `y := A x` for a matrix whose rows sum to zero, by differences: `y_i = sum over j != i of A_ij (x_j - x_i)`.
     ///
@@ -13,20 +27,20 @@ impl CsrMatrix {
     /// * `x`: n numbers; `y`: n numbers, overwritten. Rows run in parallel, each summed in column order.
     pub fn multiply_differences_into(&self, x: &[f64], y: &mut [f64]) {
         assert_eq!((x.len(), y.len()), (self.columns(), self.rows()), "vectors must fit the matrix");
-        y.par_iter_mut().with_min_len(4096).enumerate().for_each(|(row, slot)| {
+        each_row(y, |row| {
             let here = x[row];
             let (columns, values) = self.row(row);
             // The diagonal adds A_ii (x_i - x_i) = 0.
-            *slot = columns.iter().zip(values).map(|(&column, value)| value * (x[column as usize] - here)).sum();
+            columns.iter().zip(values).map(|(&column, value)| value * (x[column as usize] - here)).sum()
         });
     }
 
     /// `|A| x` with the entries' absolute values: the size of the addends that a product sums.
     pub fn multiply_absolute_into(&self, x: &[f64], y: &mut [f64]) {
         assert_eq!((x.len(), y.len()), (self.columns(), self.rows()), "vectors must fit the matrix");
-        y.par_iter_mut().with_min_len(4096).enumerate().for_each(|(row, slot)| {
+        each_row(y, |row| {
             let (columns, values) = self.row(row);
-            *slot = columns.iter().zip(values).map(|(&column, value)| value.abs() * x[column as usize]).sum();
+            columns.iter().zip(values).map(|(&column, value)| value.abs() * x[column as usize]).sum()
         });
     }
 

@@ -1,7 +1,5 @@
 //! Compressed sparse rows.
 
-use rayon::prelude::*;
-
 /// Why lists of numbers are not a sparse matrix, or why two do not fit together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -118,9 +116,9 @@ impl CsrMatrix {
     ///   so the bits do not depend on the number of threads.
     pub fn multiply_into(&self, x: &[f64], y: &mut [f64]) {
         assert_eq!((x.len(), y.len()), (self.columns, self.rows), "vectors must fit the matrix");
-        y.par_iter_mut().with_min_len(4096).enumerate().for_each(|(row, slot)| {
+        super::product::each_row(y, |row| {
             let (columns, values) = self.row(row);
-            *slot = columns.iter().zip(values).map(|(&column, value)| value * x[column as usize]).sum();
+            columns.iter().zip(values).map(|(&column, value)| value * x[column as usize]).sum()
         });
     }
 

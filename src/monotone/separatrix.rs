@@ -10,7 +10,7 @@
 
 use crate::field::{VertexId, VertexOrder};
 use crate::mesh::SimplicialComplex;
-use crate::morse::{ExtremumGraph, ExtremumKind, WantedExtrema};
+use crate::morse::{ExtremumGraph, ExtremumKind, WantedExtrema, separatrices};
 use crate::operators::positive_laplacian;
 
 use super::laplace::laplace;
@@ -44,22 +44,17 @@ pub fn separatrix(
     below.simplify(values, &wanted.minima)?;
     let mut above = ExtremumGraph::new(complex, order, ExtremumKind::Maximum)?;
     above.simplify(values, &wanted.maxima)?;
-    for (graph, other) in [(&below, &above), (&above, &below)] {
-        for (vertex, value) in values_along(&separatrices(graph, other), values, graph.kind()) {
+    let separatrices = separatrices(&below, &above);
+    for (paths, kind) in
+        [(&separatrices.descending, ExtremumKind::Minimum), (&separatrices.ascending, ExtremumKind::Maximum)]
+    {
+        for (vertex, value) in values_along(paths, values, kind) {
             // Where separatrices of both kinds meet, the first value stays; the flood mends what that spoils.
             fixed[vertex.index()].get_or_insert(value);
         }
     }
     let function = laplace(complex, &positive_laplacian(complex)?, &fixed)?;
     representative(complex, &VertexOrder::of_values(&function)?, wanted)
-}
-
-/// The separatrices that lead to the extrema of one kind: two from each saddle between extrema of this kind, one from each
-/// saddle between extrema of the other kind.
-fn separatrices(graph: &ExtremumGraph<'_>, other: &ExtremumGraph<'_>) -> Vec<Vec<VertexId>> {
-    let own = graph.saddles().into_iter().filter(|saddle| saddle.joins).flat_map(|saddle| graph.separatrices(&saddle));
-    let across = other.saddles().into_iter().filter(|saddle| saddle.joins).map(|saddle| graph.path(saddle.vertex));
-    own.chain(across).collect()
 }
 
 /// Values on the union of separatrices that lead to extrema of one kind.

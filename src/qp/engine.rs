@@ -198,6 +198,11 @@ impl Engine {
         })
     }
 
+    /// Largest diagonal entry of the values, which is their largest entry.
+    pub(super) fn largest_diagonal(&self) -> f64 {
+        self.diagonal.iter().map(|&slot| self.base[slot as usize]).fold(0.0, f64::max)
+    }
+
     /// Zero at the fixed unknowns.
     pub(super) fn mask(&self, vector: &mut [f64]) {
         for (slot, &fixed) in vector.iter_mut().zip(&self.is_fixed) {

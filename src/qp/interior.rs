@@ -11,6 +11,13 @@ use super::{Engine, Problem, Progress, QpError, QpStatus, Settings, Solution, Ti
 /// Most of the centring that a predictor may ask for; a cap saves iterations from a good start (measured).
 const LARGEST_SIGMA: f64 = 0.1;
 
+/// Below this length of the predictor the point is far from the centre, and centring is worth a whole step.
+const BLOCKED: f64 = 0.1;
+
+/// The centre that is aimed at never has a smaller gap than this share of the tolerance: once the gap is closed, the last steps
+/// serve the stationarity, and products of slack and dual near zero would only spoil the matrix.
+const CLOSED: f64 = 0.03;
+
 /// A direction, or a point, in x, slack and dual.
 #[derive(Clone)]
 pub(super) struct Triple {
@@ -54,7 +61,8 @@ pub(super) struct Interior<'a> {
     pub primal: Vec<f64>,
     weights: Vec<f64>,
     target: Vec<f64>,
-    side: Vec<f64>,
+    /// Right-hand side of the normal equations; free between two directions.
+    pub side: Vec<f64>,
     step: Triple,
     trial: Triple,
     pub solves: usize,
@@ -66,8 +74,9 @@ impl Engine {
     ///
     /// # Arguments
     /// * `problem`: objective and rows inside the engine's pattern.
-    /// * `start`: a point with `A x + b > 0` in every row saves about a third of the iterations; entries at fixed unknowns are
-    ///   ignored. `None` starts from the minimiser without rows.
+    /// * `start`: a point with `A x + b > 0` in every row is taken as it is; of any other point, best the minimiser without
+    ///   rows where the caller has it, x is taken and the slacks are lifted. `None` computes that minimiser, for one
+    ///   factorisation more. Entries at fixed unknowns are ignored.
     /// * `settings`: tolerances and limits.
     /// * `progress`: called once an iteration.
     ///
@@ -218,7 +227,7 @@ impl Interior<'_> {
             if iteration == self.settings.max_iterations {
                 return Ok((QpStatus::IterationLimit, iteration));
             }
-            length = if without_progress > 15 { 0.0 } else { self.advance()? };
+            length = if without_progress > 15 { 0.0 } else { self.advance(measure.unit)? };
             if length < 1e-9 || !self.point.is_finite() {
                 self.point.copy_from(&best);
                 Measure::of(self);
@@ -228,8 +237,8 @@ impl Interior<'_> {
         Ok((QpStatus::IterationLimit, self.settings.max_iterations))
     }
 
-    /// One iteration; returns the step length.
-    fn advance(&mut self) -> Result<f64, QpError> {
+    /// One iteration, with gaps relative to `unit`; returns the step length.
+    fn advance(&mut self, unit: f64) -> Result<f64, QpError> {
         let clock = Instant::now();
         for ((weight, z), s) in self.weights.iter_mut().zip(&self.point.z).zip(&self.point.s) {
             *weight = z / s;
@@ -252,11 +261,13 @@ impl Interior<'_> {
         for row in 0..self.rows.len() {
             after += (self.point.s[row] + reach * self.step.s[row]) * (self.point.z[row] + reach * self.step.z[row]);
         }
-        let sigma = (after / m / mu).powi(3).min(LARGEST_SIGMA);
+        let wanted = (after / m / mu).powi(3);
+        let sigma = if reach < BLOCKED { wanted } else { wanted.min(LARGEST_SIGMA) };
+        let centre = (sigma * mu).max(CLOSED * self.settings.relative_gap * unit / m);
         // Corrector: centred, with the full second-order term.
         for row in 0..self.rows.len() {
             self.target[row] =
-                sigma * mu - self.point.s[row] * self.point.z[row] - self.step.s[row] * self.step.z[row];
+                centre - self.point.s[row] * self.point.z[row] - self.step.s[row] * self.step.z[row];
         }
         self.direction();
         let mut length = self.reach(self.settings.step_fraction);
@@ -268,7 +279,7 @@ impl Interior<'_> {
             _ => 0,
         };
         for _ in 0..correctors.min(self.settings.correctors) {
-            let longer = self.centrality(sigma * mu, length);
+            let longer = self.centrality(centre, length);
             match longer {
                 Some(reached) => length = reached,
                 None => break,

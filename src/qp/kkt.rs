@@ -1,12 +1,14 @@
 //! Optimality of a point, measured on the problem as given.
 
 use super::interior::Interior;
-use super::product::{Scratch, dot, largest};
+use super::product::{Scratch, add, dot, largest};
 use super::{Certificate, KktResiduals, Progress, Settings};
 
 /// The residuals of a point and its objective.
 pub(super) struct Measure {
     pub objective: f64,
+    /// What gaps are relative to.
+    pub unit: f64,
     pub kkt: KktResiduals,
 }
 
@@ -16,7 +18,9 @@ impl Measure {
         let mut stationarity = std::mem::take(&mut interior.stationarity);
         let mut primal = std::mem::take(&mut interior.primal);
         let mut scratch = std::mem::take(&mut interior.engine.scratch);
-        let measure = measured(interior, &mut stationarity, &mut primal, &mut scratch);
+        let mut force = std::mem::take(&mut interior.side);
+        let measure = measured(interior, &mut stationarity, &mut primal, (&mut force, &mut scratch));
+        interior.side = force;
         interior.engine.mask(&mut stationarity);
         interior.stationarity = stationarity;
         interior.primal = primal;
@@ -26,9 +30,9 @@ impl Measure {
 
     /// Measures the current point from nothing.
     pub fn of_point(interior: &Interior<'_>) -> Self {
-        let mut stationarity = vec![0.0; interior.point.x.len()];
+        let n = interior.point.x.len();
         let mut primal = vec![0.0; interior.rows.len()];
-        measured(interior, &mut stationarity, &mut primal, &mut Scratch::new(interior.point.x.len()))
+        measured(interior, &mut vec![0.0; n], &mut primal, (&mut vec![0.0; n], &mut Scratch::new(n)))
     }
 
     pub fn progress(&self, iteration: usize, step: f64) -> Progress {
@@ -49,7 +53,12 @@ impl Measure {
     }
 }
 
-fn measured(interior: &Interior<'_>, stationarity: &mut [f64], primal: &mut [f64], scratch: &mut Scratch) -> Measure {
+fn measured(
+    interior: &Interior<'_>,
+    stationarity: &mut [f64],
+    primal: &mut [f64],
+    (force, scratch): (&mut [f64], &mut Scratch),
+) -> Measure {
     let Interior { problem, rows, point, engine, .. } = interior;
     let objective = &problem.objective;
     let quadratic = objective.quadratic(&point.x, scratch);
@@ -71,7 +80,9 @@ fn measured(interior: &Interior<'_>, stationarity: &mut [f64], primal: &mut [f64
             source = source.max(q.abs());
         }
     }
-    rows.add_transposed(-1.0, &point.z, stationarity);
+    force.fill(0.0);
+    rows.add_transposed(1.0, &point.z, force);
+    add(stationarity, -1.0, force);
     let (mut residual, mut reaction) = (0.0f64, 0.0f64);
     for (slot, &fixed) in stationarity.iter().zip(&engine.is_fixed) {
         let most = if fixed { &mut reaction } else { &mut residual };
@@ -79,7 +90,7 @@ fn measured(interior: &Interior<'_>, stationarity: &mut [f64], primal: &mut [f64
             *most = slot.abs();
         }
     }
-    let force = largest_force(interior).max(reaction).max(1e-3 * source);
+    let force = largest(force).max(reaction).max(1e-3 * source);
     let relative = |value: f64, unit: f64| if value == 0.0 { 0.0 } else { value / unit.max(f64::MIN_POSITIVE) };
 
     rows.slack_into(&point.x, primal);
@@ -90,24 +101,19 @@ fn measured(interior: &Interior<'_>, stationarity: &mut [f64], primal: &mut [f64
         violation = violation.max(-*value).max((*value - s).abs());
         *value -= s;
     }
-    let row_size = rows.offset_size.max(largest(&point.s));
+    let row_size = rows.offset_size + rows.largest_image(&point.x);
     Measure {
         objective: value,
+        unit,
         kkt: KktResiduals {
             stationarity: relative(residual, force),
-            rounding: relative(f64::EPSILON * addends, force),
+            rounding: relative(4.0 * f64::EPSILON * addends, force),
             primal: relative(violation, row_size),
             complementarity: relative(most, unit),
-            duality_gap: relative(gap.abs(), unit),
+            // Nothing below an ulp of the objective can be told.
+            duality_gap: if rows.len() == 0 { 0.0 } else { relative(gap.abs(), unit).max(f64::EPSILON) },
         },
     }
-}
-
-/// Largest entry of `Aᵀ z`.
-fn largest_force(interior: &Interior<'_>) -> f64 {
-    let mut force = vec![0.0; interior.point.x.len()];
-    interior.rows.add_transposed(1.0, &interior.point.z, &mut force);
-    largest(&force)
 }
 
 /// A certificate that the rows contradict each other, if the duals have become one.
@@ -124,8 +130,8 @@ pub(super) fn certificate(interior: &Interior<'_>) -> Option<Certificate> {
     let mut image = vec![0.0; point.x.len()];
     rows.add_transposed(1.0, &point.z, &mut image);
     let sum: f64 = image.iter().map(|value| value.abs()).sum();
-    // Any x that could still be feasible would lie a million times farther out than the present one.
-    if sum * 1e6 * largest(&point.x).max(f64::MIN_POSITIVE) > -conflict {
+    // Any x that could still be feasible would lie a million times farther out than the present one and all known values.
+    if sum * 1e6 * largest(&point.x).max(rows.offset_size) >= -conflict {
         return None;
     }
     let chosen: Vec<usize> = (0..rows.len()).filter(|&row| point.z[row] > 1e-6 * top).collect();

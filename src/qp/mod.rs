@@ -11,6 +11,7 @@
 //!
 //! The end of a solve is a [`QpStatus`] with [`KktResiduals`] on the problem as given; only `Solved` is success.
 
+mod conflict;
 mod engine;
 mod error;
 mod interior;

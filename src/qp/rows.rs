@@ -100,6 +100,15 @@ impl Rows {
         }
     }
 
+    /// Largest entry of `|A| |x|` over the free unknowns.
+    pub fn largest_image(&self, x: &[f64]) -> f64 {
+        let size = |row: usize| {
+            let (columns, values) = self.matrix.row(row);
+            columns.iter().zip(values).map(|(&column, value)| (value * x[column as usize]).abs()).sum::<f64>()
+        };
+        (0..self.len()).map(size).fold(0.0, f64::max)
+    }
+
     /// `y += a Aᵀ z`, rows in order.
     pub fn add_transposed(&self, a: f64, z: &[f64], y: &mut [f64]) {
         for (row, z) in z.iter().enumerate() {

@@ -1,8 +1,9 @@
 //! Where the interior point begins.
 
+use super::conflict::contradiction;
 use super::interior::Interior;
 use super::problem::{finite, length};
-use super::product::{dot, largest};
+use super::product::largest;
 use super::{Problem, QpError};
 
 /// Smallest slack of a start without a feasible point, relative to the mean violation or slack.
@@ -39,6 +40,12 @@ pub(super) fn initial(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(
     for (slot, fixed) in interior.point.x.iter_mut().zip(&interior.problem.fixed) {
         *slot = fixed.unwrap_or(0.0);
     }
+    if interior.rows.contradiction.is_none() {
+        interior.rows.contradiction = contradiction(&interior.rows);
+    }
+    if interior.rows.contradiction.is_some() {
+        return Ok(());
+    }
     match start {
         Start::Point(x) | Start::Warm { x, .. } if m > 0 => {
             for (index, slot) in interior.point.x.iter_mut().enumerate() {
@@ -63,20 +70,28 @@ pub(super) fn initial(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(
         // Every row is exactly tight: any scale of the problem will do.
         _ => interior.rows.offset_size.max(largest(&interior.point.x)).max(f64::MIN_POSITIVE),
     };
+    let inside = matches!(start, Start::Point(_)) && interior.point.s.iter().all(|&slack| slack > 0.0);
+    let floor = match start {
+        // A start inside the cone is taken as it is.
+        Start::Point(_) if inside => 0.0,
+        Start::Warm { .. } => WARM_FLOOR * unit,
+        _ => COLD_FLOOR * unit,
+    };
     for slot in &mut interior.point.s {
-        match start {
-            // A start inside the cone is taken as it is.
-            Start::Point(_) if *slot > 0.0 => {}
-            Start::Warm { .. } => *slot = slot.max(WARM_FLOOR * unit),
-            _ => *slot = slot.max(COLD_FLOOR * unit),
-        }
+        *slot = slot.max(floor);
     }
     // Equal duals whose products with the slacks sum to the objective, an upper bound of what is still to be gained.
     // Duals in proportion to 1/slack would be centred, and need half as many iterations again (measured).
     let objective = &interior.problem.objective;
-    let energy = objective.value(&interior.point.x).abs();
-    let floor = 1e-8 * (energy + objective.constant.abs() + dot(&objective.linear, &interior.point.x).abs());
-    let share = energy.max(floor).max(f64::MIN_POSITIVE) / m as f64;
+    let quadratic = objective.quadratic(&interior.point.x, &mut interior.engine.scratch);
+    let linear: f64 = objective.linear.iter().zip(&interior.point.x).map(|(q, x)| (q * x).abs()).sum();
+    let addends = quadratic + linear + objective.constant.abs();
+    let energy = match objective.value(&interior.point.x).abs().max(1e-4 * addends) {
+        some if some > 0.0 => some,
+        // All is zero at the start: what moving every unknown alone by a typical slack would cost.
+        _ => unit * unit * interior.engine.largest_diagonal() * m as f64,
+    };
+    let share = energy / m as f64;
     let level = share / mean(&interior.point.s);
     interior.point.z.fill(level);
     if let Start::Warm { dual, .. } = start {

@@ -12,6 +12,9 @@ pub(super) fn check_options(complex: &SimplicialComplex, data: &[f64], options: 
         true => Ok(()),
         false => Err(SmoothError::OptionRange { option, found, expected }),
     };
+    if complex.simplex_count() == 0 {
+        return Err(SmoothError::Empty { vertices: complex.vertex_count(), simplices: 0 });
+    }
     range("order", options.order as f64, "1, 2, 3 or 4", (1..=4).contains(&options.order))?;
     match options.length {
         Length::OfDiagonal(found) | Length::Absolute(found) => {
@@ -23,7 +26,8 @@ pub(super) fn check_options(complex: &SimplicialComplex, data: &[f64], options: 
         range("interval of the values", found, "a finite part not below 0", found >= 0.0 && found.is_finite())?;
     }
     range("relative gap", options.relative_gap, "a number in (0, 0.1]", options.relative_gap > 0.0 && options.relative_gap <= 0.1)?;
-    let lists: [(_, _, _, fn(f64) -> bool); 2] = [
+    type Fits = fn(f64) -> bool;
+    let lists: [(&'static str, _, &'static str, Fits); 2] = [
         ("confidence", options.confidence, "a finite number not below 0", |value| value >= 0.0 && value.is_finite()),
         ("smoothness mask", options.smoothness, "a number in [0, 1]", |value| (0.0..=1.0).contains(&value)),
     ];

@@ -26,6 +26,14 @@ pub enum SmoothError {
     /// The engine refused the problem.
     #[error(transparent)]
     Solver(#[from] QpError),
+    /// There is nothing to smooth.
+    #[error("the mesh has {vertices} vertices and {simplices} simplices; expected at least one simplex")]
+    Empty {
+        /// Number of vertices.
+        vertices: usize,
+        /// Number of top simplices.
+        simplices: usize,
+    },
     /// A component has one value only: no strict field is near it.
     #[error(
         "the field is constant (value {value:?}) on the component of vertex {vertex} ({vertices} vertices); expected at least two \

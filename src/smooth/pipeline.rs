@@ -22,6 +22,11 @@ use super::select::{MeasuredField, Selected, select_extrema};
 /// Shortest automatic length, in mean edges: shorter ones leave the noise between neighbours as it is.
 const SHORTEST_EDGES: f64 = 1.5;
 
+/// Margins of the order constraints, as parts of the differences of levels: small against the energy, large against the
+/// rounding of the stored width (prototype: 1e-4 leaves no tie in 32 bits, at +9e-5 of the energy).
+const MARGIN_F32: f64 = 1e-4;
+const MARGIN_F64: f64 = 1e-6;
+
 /// What [`smooth`] is doing.
 #[derive(Debug, Clone)]
 pub enum SmoothProgress {
@@ -115,7 +120,7 @@ pub fn smooth(
         return Err(SmoothError::SmoothedAway { vertex, vertices, value: selected_on.values[vertex.index()] });
     }
     let Selected { wanted, unavoidable } = timing.measure("selection", || select_extrema(complex, &selected_on, &options.selection))?;
-    let rules = rules(&selected_on, &wanted, options);
+    let rules = rules(&selected_on, &wanted, &unavoidable, options);
 
     progress(SmoothProgress::Stage("pinned field"));
     let pinned = timing.measure("pinned", || pinned_field(&mut fitter, data, &weights, &rules, options, &unconstrained))?;
@@ -124,9 +129,9 @@ pub fn smooth(
     let guide = timing.measure("representative", || guide(complex, &selected_on, &pinned, &wanted, &rules, options))?;
 
     progress(SmoothProgress::Stage("quadratic problem"));
-    let (fit, guide, rounds, factorizations) = timing.measure("solve", || {
-        solve(&mut fitter, data, &weights, &wanted, &rules, guide, &pinned, options, progress)
-    })?;
+    let rounds = Rounds { data, weights: weights.clone(), wanted: &wanted, rules: &rules, options };
+    let Solved { fit, guide, energies, iterations, factorizations } =
+        timing.measure("solve", || rounds.run(&mut fitter, guide, &pinned, progress))?;
 
     progress(SmoothProgress::Stage("repair"));
     let repaired = timing
@@ -157,7 +162,7 @@ pub fn smooth(
         selection_extrema: count(&selected_on),
         threshold: threshold(&selected_on, &options.selection)?,
         wanted: ExtremumCount { minima: wanted.minima.len(), maxima: wanted.maxima.len() },
-        unavoidable,
+        unavoidable: unavoidable.len(),
         order: options.order,
         length,
         representative: guide.report,
@@ -169,13 +174,13 @@ pub fn smooth(
             bound: square(bound),
             above_bound: result / bound - 1.0,
             above_unconstrained: result / free - 1.0,
-            rounds: rounds.energies,
+            rounds: energies,
         },
         solver: SolverReport {
             status: fit.status,
             rows: fit.rows,
             active_rows: fit.active_rows,
-            iterations: rounds.iterations,
+            iterations,
             factorizations,
             kkt: fit.kkt,
         },
@@ -230,10 +235,19 @@ fn mean_edge(complex: &SimplicialComplex) -> f64 {
     complex.edges().iter().map(length).sum::<f64>() / complex.edges().len().max(1) as f64
 }
 
-fn rules(field: &MeasuredField, wanted: &WantedExtrema, options: &SmoothOptions<'_>) -> Vec<ValueRule> {
+fn rules(
+    field: &MeasuredField,
+    wanted: &WantedExtrema,
+    unavoidable: &[VertexId],
+    options: &SmoothOptions<'_>,
+) -> Vec<ValueRule> {
     let (low, high) = field.range();
     let mut rules = vec![ValueRule::Free; field.values.len()];
     for &extremum in wanted.minima.iter().chain(&wanted.maxima) {
+        // Nobody asked for these; on a plateau their values would even contradict their neighbours'.
+        if unavoidable.binary_search(&extremum).is_ok() {
+            continue;
+        }
         let value = options.precision.round(field.values[extremum.index()]);
         rules[extremum.index()] = match options.values {
             ExtremumValues::Keep => ValueRule::Exactly(value),
@@ -314,62 +328,82 @@ fn level_range(field: &MeasuredField, rules: &[ValueRule]) -> (f64, f64) {
     })
 }
 
-/// Energies and counts over the refinement rounds.
-struct Rounds {
+/// What the rounds of solves ended with.
+struct Solved {
+    /// The last round's solution.
+    fit: MonotoneFit,
+    /// The last round's guide: the solution rises along its edges.
+    guide: Guide,
+    /// Energy after each round.
     energies: Vec<f64>,
     iterations: usize,
+    factorizations: usize,
 }
 
-#[allow(clippy::too_many_arguments)]
-fn solve(
-    fitter: &mut Fitter<'_>,
-    data: &[f64],
-    weights: &EnergyWeights<'_>,
-    wanted: &WantedExtrema,
-    rules: &[ValueRule],
-    mut guide: Guide,
-    pinned: &[f64],
-    options: &SmoothOptions<'_>,
-    progress: &mut dyn FnMut(SmoothProgress),
-) -> Result<(MonotoneFit, Guide, Rounds, usize), SmoothError> {
-    let settings = Settings { relative_gap: options.relative_gap, ..Settings::default() };
-    let margin = match (options.strictness, options.precision) {
-        (Strictness::TiesByIndex, _) => 0.0,
-        (Strictness::Plain, Precision::F32) => 1e-4,
-        (Strictness::Plain, Precision::F64) => 1e-6,
-    };
-    let mut rounds = Rounds { energies: Vec::new(), iterations: 0 };
-    let mut factorizations = 0;
-    let mut last: Option<MonotoneFit> = None;
-    for _ in 0..=options.refine {
-        if let Some(fit) = &last {
-            // The last solution, made strict, is the next representative function.
-            let strict = repair(&guide.graph, &fit.values, rules, Precision::F64, Strictness::Plain)
-                .map_err(|found| SmoothError::not_representable(found, Precision::F64))?;
-            let order = VertexOrder::of_values(&strict.values)?;
-            let graph = MonotonicityGraph::new(fitter.complex(), &order, wanted, options.edges);
-            let Ok(levels) = levels(&graph, rules, guide.levels.range()) else { break };
-            guide = Guide { graph, levels, report: guide.report };
+/// The convex problem, and its repetition with the solution as representative function.
+struct Rounds<'a> {
+    data: &'a [f64],
+    weights: EnergyWeights<'a>,
+    wanted: &'a WantedExtrema,
+    rules: &'a [ValueRule],
+    options: &'a SmoothOptions<'a>,
+}
+
+impl Rounds<'_> {
+    /// Solves along the guide's edges, then refines as often as was asked.
+    ///
+    /// # Source
+    /// Refinement: Günther, Jacobson, Reininghaus, Seidel, Sorkine-Hornung, Weinkauf 2014.
+    fn run(
+        &self,
+        fitter: &mut Fitter<'_>,
+        guide: Guide,
+        near: &[f64],
+        progress: &mut dyn FnMut(SmoothProgress),
+    ) -> Result<Solved, SmoothError> {
+        let fit = self.solve(fitter, &guide, near, None, progress)?;
+        let (iterations, factorizations) = (fit.iterations, fit.factorizations);
+        let mut solved = Solved { energies: vec![fit.energy], iterations, factorizations, fit, guide };
+        for _ in 0..self.options.refine {
+            let Some(guide) = self.refined_guide(fitter.complex(), &solved)? else { break };
+            let last = &solved.fit.values;
+            let fit = self.solve(fitter, &guide, last, Some(last), progress)?;
+            solved.energies.push(fit.energy);
+            solved.iterations += fit.iterations;
+            solved.factorizations += fit.factorizations;
+            (solved.fit, solved.guide) = (fit, guide);
         }
-        let constraints = MonotoneConstraints {
-            graph: &guide.graph,
-            levels: &guide.levels,
-            rules,
-            margin,
-            feasible: last.as_ref().map(|fit| fit.values.as_slice()),
-        };
-        let near = last.as_ref().map_or(pinned, |fit| fit.values.as_slice());
-        let fit = fitter.monotone(data, weights, &constraints, near, &settings, &mut |step| {
-            progress(SmoothProgress::Solver(step));
-        })?;
-        rounds.energies.push(fit.energy);
-        rounds.iterations += fit.iterations;
-        factorizations += fit.factorizations;
-        last = Some(fit);
+        Ok(solved)
     }
-    match last {
-        Some(fit) => Ok((fit, guide, rounds, factorizations)),
-        None => unreachable!("there is always a first round"),
+
+    fn solve(
+        &self,
+        fitter: &mut Fitter<'_>,
+        guide: &Guide,
+        near: &[f64],
+        feasible: Option<&[f64]>,
+        progress: &mut dyn FnMut(SmoothProgress),
+    ) -> Result<MonotoneFit, SmoothError> {
+        let margin = match (self.options.strictness, self.options.precision) {
+            (Strictness::TiesByIndex, _) => 0.0,
+            (Strictness::Plain, Precision::F32) => MARGIN_F32,
+            (Strictness::Plain, Precision::F64) => MARGIN_F64,
+        };
+        let constraints =
+            MonotoneConstraints { graph: &guide.graph, levels: &guide.levels, rules: self.rules, margin, feasible };
+        let settings = Settings { relative_gap: self.options.relative_gap, ..Settings::default() };
+        let report = &mut |step| progress(SmoothProgress::Solver(step));
+        Ok(fitter.monotone(self.data, &self.weights, &constraints, near, &settings, report)?)
+    }
+
+    /// The last solution, made strict, as the next representative function; `None` if its levels leave no room.
+    fn refined_guide(&self, complex: &SimplicialComplex, solved: &Solved) -> Result<Option<Guide>, SmoothError> {
+        let strict = repair(&solved.guide.graph, &solved.fit.values, self.rules, Precision::F64, Strictness::Plain)
+            .map_err(|found| SmoothError::not_representable(found, Precision::F64))?;
+        let order = VertexOrder::of_values(&strict.values)?;
+        let graph = MonotonicityGraph::new(complex, &order, self.wanted, self.options.edges);
+        let levels = levels(&graph, self.rules, solved.guide.levels.range()).ok();
+        Ok(levels.map(|levels| Guide { graph, levels, report: solved.guide.report.clone() }))
     }
 }
 

@@ -78,12 +78,15 @@ impl Parts {
     fn keyword(&mut self, lexer: &mut Lexer<'_>, keyword: &str, section: &mut Section) -> Result<bool, Fault> {
         match keyword {
             "POINT_DATA" => {
-                self.point_data = Some((lexer.number("the number of points")?, Attributes::default()));
+                // A second section of the same kind goes on with the first.
+                let count = lexer.number("the number of points")?;
+                self.point_data.get_or_insert_with(Default::default).0 = count;
                 *section = Section::Points;
                 return Ok(true);
             }
             "CELL_DATA" => {
-                self.cell_data = Some((lexer.number("the number of cells")?, Attributes::default()));
+                let count = lexer.number("the number of cells")?;
+                self.cell_data.get_or_insert_with(Default::default).0 = count;
                 *section = Section::Cells;
                 return Ok(true);
             }

@@ -13,18 +13,23 @@ const POLYHEDRON: u8 = 42;
 
 /// Refuses what the format would lose.
 pub(in crate::io) fn check(dataset: &DataSet) -> Result<(), Objection> {
-    if let Geometry::ImageData { direction, .. } = &dataset.geometry {
-        if *direction != [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0] {
-            return Err(("an image with rotated axes, which .vtk files cannot hold".into(), "a name ending in .vti".into()));
+    match &dataset.geometry {
+        Geometry::ImageData { direction, .. } if *direction != [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0] => {
+            Err(("an image with rotated axes, which .vtk files cannot hold".into(), "a name ending in .vti".into()))
         }
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// Writes a data set that the checks accept.
 pub(in crate::io) fn write(dataset: &DataSet, file: &mut impl Write) -> io::Result<()> {
     let wide = longest_list(&dataset.geometry).saturating_add(dataset.cell_count()) > i32::MAX as usize
         || dataset.point_count() > i32::MAX as usize;
+    write_version(dataset, wide, file)
+}
+
+/// Writes version 5.1 if `wide`, else 4.2.
+fn write_version(dataset: &DataSet, wide: bool, file: &mut impl Write) -> io::Result<()> {
     let title: String = dataset.title.chars().filter(|character| !character.is_control()).take(250).collect();
     let title = if title.is_empty() { "vtk output" } else { &title };
     writeln!(file, "# vtk DataFile Version {}\n{title}\nBINARY", if wide { "5.1" } else { "4.2" })?;
@@ -288,4 +293,31 @@ fn numbers<T: Copy, N: Element>(values: &[T], convert: impl Fn(T) -> N, file: &m
         file.write_all(&buffer)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    #[test]
+    fn both_versions_read_back_alike() {
+        let mut lines = CellArray::default();
+        lines.push([0, 1]);
+        lines.push([1, 2, 3]);
+        let mut dataset = DataSet::new(Geometry::PolyData {
+            points: DataArray::new("Points", 3, ArrayData::F32((0..12u8).map(f32::from).collect())),
+            verts: CellArray::default(),
+            lines,
+            polys: CellArray::default(),
+            strips: CellArray::default(),
+        });
+        dataset.title = "long".into();
+        dataset.set_point_array(DataArray::new("h", 1, ArrayData::F64(vec![1.0, -0.0, 5e-324, 1e308])));
+        for wide in [false, true] {
+            let mut bytes = Vec::new();
+            write_version(&dataset, wide, &mut bytes).unwrap();
+            assert!(bytes.starts_with(if wide { b"# vtk DataFile Version 5.1" } else { b"# vtk DataFile Version 4.2" }));
+            assert_eq!(super::super::read(&bytes).unwrap(), dataset);
+        }
+    }
 }

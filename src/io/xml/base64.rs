@@ -76,7 +76,7 @@ impl<'a> Decoder<'a> {
         let quanta = (count - bytes.len()).div_ceil(3);
         for four in self.text[self.position..].chunks_exact(4).take(quanta) {
             let digits = [0, 1, 2, 3].map(|slot| DIGITS[four[slot] as usize]);
-            if digits.iter().any(|&digit| digit == NONE) {
+            if digits.contains(&NONE) {
                 return;
             }
             let [a, b, c, d] = digits;
@@ -132,6 +132,7 @@ impl<'a> Decoder<'a> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::Decoder;
 

@@ -6,11 +6,11 @@ use std::io::Read;
 use crate::io::error::{Fault, Place};
 
 use super::base64::Decoder;
-use super::document::{Compressor, Context};
+use super::document::{Compressor, Context, Source};
 
 /// Where the encoded bytes of an array come from.
 pub(super) enum Stream<'a> {
-    Raw { bytes: &'a [u8], start: usize },
+    Raw { source: Source<'a>, start: usize },
     Base64(Decoder<'a>),
 }
 
@@ -24,21 +24,18 @@ impl<'a> Stream<'a> {
 
     fn available(&self) -> usize {
         match self {
-            Self::Raw { bytes, .. } => bytes.len(),
+            Self::Raw { source, start } => source.length().saturating_sub(*start),
             Self::Base64(decoder) => decoder.available(),
         }
     }
 
     fn take(&mut self, count: usize) -> Result<Cow<'a, [u8]>, Fault> {
         match self {
-            Self::Raw { bytes, start } => match bytes.split_at_checked(count) {
-                Some((taken, rest)) => {
-                    *start += count;
-                    *bytes = rest;
-                    Ok(Cow::Borrowed(taken))
-                }
-                None => Err(Fault::new(Place::Byte(*start), format!("{} bytes before the end", bytes.len()), format!("{count}"))),
-            },
+            Self::Raw { source, start } => {
+                let taken = source.bytes(*start, count)?;
+                *start += count;
+                Ok(taken)
+            }
             Self::Base64(decoder) => decoder.take(count).map(Cow::Owned),
         }
     }
@@ -51,6 +48,8 @@ impl<'a> Stream<'a> {
 /// The bytes of an array, still packed if they were.
 pub(super) enum Payload<'a> {
     Plain(Cow<'a, [u8]>),
+    /// Plain bytes that are still on disk.
+    Range { source: Source<'a>, start: usize, count: usize },
     Blocks(Blocks<'a>),
 }
 
@@ -75,7 +74,12 @@ impl<'a> Payload<'a> {
                 let bytes = usize::try_from(bytes).ok().filter(|&bytes| bytes <= stream.available()).ok_or_else(|| {
                     Fault::new(place, format!("an array of {bytes} bytes"), format!("at most the {} that follow", stream.available()))
                 })?;
-                Ok(Self::Plain(stream.take(bytes)?))
+                match stream {
+                    Stream::Raw { source: source @ Source::File { .. }, start } => {
+                        Ok(Self::Range { source: *source, start: *start, count: bytes })
+                    }
+                    stream => Ok(Self::Plain(stream.take(bytes)?)),
+                }
             }
             compressor => Blocks::read(context, stream, compressor).map(Self::Blocks),
         }
@@ -85,6 +89,7 @@ impl<'a> Payload<'a> {
     pub fn len(&self) -> usize {
         match self {
             Self::Plain(bytes) => bytes.len(),
+            Self::Range { count, .. } => *count,
             Self::Blocks(blocks) => blocks.total,
         }
     }
@@ -93,6 +98,7 @@ impl<'a> Payload<'a> {
     pub fn unpack(self) -> Result<Cow<'a, [u8]>, Fault> {
         match self {
             Self::Plain(bytes) => Ok(bytes),
+            Self::Range { source, start, count } => source.bytes(start, count),
             Self::Blocks(blocks) => {
                 let mut bytes = vec![0; blocks.total];
                 let mut unpacker = Unpacker::new(blocks.compressor);

@@ -1,6 +1,8 @@
 //! The frame of an XML file: where its text ends, its byte order, header width, compressor and appended bytes.
 
 use std::borrow::Cow;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 
 use roxmltree::{Document, Node, ParsingOptions};
 
@@ -16,13 +18,94 @@ pub(super) enum Compressor {
     Lzma,
 }
 
-/// The bytes after the `_` of `<AppendedData>`.
+/// The file, in memory or still on disk.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::io) enum Source<'a> {
+    Memory(&'a [u8]),
+    /// A large file, from which each array is read when it is its turn, so that nothing is in memory twice.
+    File {
+        file: &'a File,
+        length: usize,
+    },
+}
+
+impl<'a> Source<'a> {
+    pub fn length(&self) -> usize {
+        match self {
+            Self::Memory(bytes) => bytes.len(),
+            Self::File { length, .. } => *length,
+        }
+    }
+
+    /// The bytes of a range.
+    pub fn bytes(&self, start: usize, count: usize) -> Result<Cow<'a, [u8]>, Fault> {
+        let available = self.length().saturating_sub(start);
+        if count > available {
+            return Err(Fault::new(Place::Byte(start), format!("{available} bytes before the end"), format!("{count}")));
+        }
+        match self {
+            Self::Memory(bytes) => Ok(Cow::Borrowed(&bytes[start..start + count])),
+            Self::File { .. } => {
+                let mut bytes = Vec::with_capacity(count);
+                self.chunks(start, count, usize::MAX, |chunk| {
+                    if bytes.is_empty() { bytes = std::mem::take(chunk) } else { bytes.extend_from_slice(chunk) }
+                })?;
+                Ok(Cow::Owned(bytes))
+            }
+        }
+    }
+
+    /// Hands the bytes of a range out, at most `size` at a time.
+    pub fn chunks(
+        &self,
+        start: usize,
+        count: usize,
+        size: usize,
+        mut take: impl FnMut(&mut Vec<u8>),
+    ) -> Result<(), Fault> {
+        match self {
+            Self::Memory(bytes) => {
+                for chunk in bytes.get(start..start.saturating_add(count)).unwrap_or_default().chunks(size) {
+                    take(&mut chunk.to_vec());
+                }
+                Ok(())
+            }
+            Self::File { file, .. } => {
+                let mut file = *file;
+                let failed = |error| Fault::new(Place::Byte(start), format!("an error of the disk ({error})"), "bytes");
+                file.seek(SeekFrom::Start(start as u64)).map_err(failed)?;
+                let mut left = count;
+                let mut buffer = Vec::new();
+                while left > 0 {
+                    buffer.resize(left.min(size), 0);
+                    file.read_exact(&mut buffer).map_err(failed)?;
+                    left -= buffer.len();
+                    take(&mut buffer);
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// What follows the `_` of `<AppendedData>`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Appended<'a> {
-    pub bytes: &'a [u8],
-    /// Their place in the file.
+    pub source: Source<'a>,
+    /// Its place in the file.
     pub start: usize,
     pub base64: bool,
+}
+
+const APPENDED: &[u8] = b"<AppendedData";
+
+/// Whether `head` reaches into appended raw data, so that the rest of the file need not be in memory.
+pub(in crate::io) fn reaches_raw_data(head: &[u8]) -> bool {
+    find(head, APPENDED).is_some_and(|tag| {
+        let opening = &head[tag..];
+        let end = opening.iter().position(|&byte| byte == b'>').unwrap_or(0);
+        find(&opening[..end], b"raw").is_some() && opening[end..].contains(&b'_')
+    })
 }
 
 /// A file cut into XML text and appended bytes.
@@ -33,18 +116,21 @@ pub(super) struct Parts<'a> {
 
 impl<'a> Parts<'a> {
     /// Cuts at `<AppendedData`, because raw bytes behind it are no XML, and closes the document.
-    pub fn cut(bytes: &'a [u8]) -> Result<Self, Fault> {
-        const TAG: &[u8] = b"<AppendedData";
-        let Some(tag) = find(bytes, TAG) else {
-            return Ok(Self { text: Cow::Borrowed(utf8(bytes)?), appended: None });
+    ///
+    /// # Arguments
+    /// * `head`: the whole file, or as much as [`reaches_raw_data`].
+    /// * `source`: the whole file.
+    pub fn cut(head: &'a [u8], source: Source<'a>) -> Result<Self, Fault> {
+        let Some(tag) = find(head, APPENDED) else {
+            return Ok(Self { text: Cow::Borrowed(utf8(head)?), appended: None });
         };
-        let opening = &bytes[tag..];
+        let opening = &head[tag..];
         let fault = |found: &str, expected: &str| Fault::new(Place::Byte(tag), found, expected);
         let end = opening
             .iter()
             .position(|&byte| byte == b'>')
             .ok_or_else(|| fault("an <AppendedData that is not closed", "a >"))?;
-        let attributes = utf8(&opening[TAG.len()..end])?;
+        let attributes = utf8(&opening[APPENDED.len()..end])?;
         let base64 = if attributes.contains("\"raw\"") || attributes.contains("'raw'") {
             false
         } else if attributes.contains("base64") || !attributes.contains("encoding") {
@@ -57,8 +143,8 @@ impl<'a> Parts<'a> {
             .position(|&byte| byte == b'_')
             .ok_or_else(|| fault("appended data without the mark _", "a _ before the data"))?;
         let start = tag + end + mark + 1;
-        let text = format!("{}</VTKFile>", utf8(&bytes[..tag])?);
-        Ok(Self { text: Cow::Owned(text), appended: Some(Appended { bytes: &bytes[start..], start, base64 }) })
+        let text = format!("{}</VTKFile>", utf8(&head[..tag])?);
+        Ok(Self { text: Cow::Owned(text), appended: Some(Appended { source, start, base64 }) })
     }
 
     /// Parses the text.

@@ -8,5 +8,6 @@ mod payload;
 mod piece;
 mod write;
 
+pub(super) use document::{Source, reaches_raw_data};
 pub(super) use piece::read;
 pub(super) use write::write;

@@ -4,12 +4,12 @@ use rayon::prelude::*;
 use roxmltree::Node;
 
 use crate::io::array::{ArrayData, DataArray, InformationKey, InformationValue, ValueType};
-use crate::io::bytes::{Element, unpack_bits, values_of_bytes};
+use crate::io::bytes::{Element, extend_with_bytes, unpack_bits, values_of_bytes};
 use crate::io::error::{Fault, Place, quoted};
 
 use super::base64::Decoder;
 use super::blocks::{Blocks, Payload, Stream, Unpacker};
-use super::document::Context;
+use super::document::{Context, Source};
 
 /// Reads an array.
 ///
@@ -123,15 +123,18 @@ fn appended<'a>(context: &Context<'a>, node: Node<'_, '_>) -> Result<Stream<'a>,
     let Some(offset) = context.number::<usize>(node, "offset")? else {
         return Err(Fault::new(place, "an appended array without offset", "an offset"));
     };
-    let Some(bytes) = appended.bytes.get(offset..) else {
-        return Err(Fault::new(
-            place,
-            format!("offset {offset}"),
-            format!("at most the {} bytes of appended data", appended.bytes.len()),
-        ));
-    };
+    let size = appended.source.length().saturating_sub(appended.start);
+    if offset > size {
+        return Err(Fault::new(place, format!("offset {offset}"), format!("at most the {size} bytes of appended data")));
+    }
     let start = appended.start + offset;
-    Ok(if appended.base64 { Stream::Base64(Decoder::new(bytes, start)) } else { Stream::Raw { bytes, start } })
+    match (appended.base64, appended.source) {
+        (true, Source::Memory(bytes)) => Ok(Stream::Base64(Decoder::new(&bytes[start..], start))),
+        (true, source @ Source::File { .. }) => {
+            Err(Fault::new(place, format!("{} bytes of base64 on disk", source.length()), "them in memory"))
+        }
+        (false, source) => Ok(Stream::Raw { source, start }),
+    }
 }
 
 fn ascii_values(context: &Context<'_>, node: Node<'_, '_>, value_type: ValueType) -> Result<ArrayData, Fault> {
@@ -231,6 +234,13 @@ fn binary_values(
 fn elements<T: Element>(context: &Context<'_>, payload: Payload<'_>) -> Result<Vec<T>, Fault> {
     match payload {
         Payload::Blocks(blocks) if blocks.block > 0 && blocks.block % T::WIDTH == 0 => block_elements(context, &blocks),
+        Payload::Range { source, start, count } => {
+            // A multiple of every width, small enough to stay in the cache on the way.
+            const CHUNK: usize = 1 << 18;
+            let mut values = Vec::with_capacity(count / T::WIDTH);
+            source.chunks(start, count, CHUNK, |chunk| extend_with_bytes(&mut values, chunk, context.order))?;
+            Ok(values)
+        }
         other => Ok(values_of_bytes(&other.unpack()?, context.order)),
     }
 }

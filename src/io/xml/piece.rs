@@ -7,15 +7,19 @@ use crate::io::cells::{check_offsets, check_points, indices};
 use crate::io::dataset::{Attributes, CellArray, DataSet, Extent, Geometry, IndexWidth, Polyhedra, Role};
 use crate::io::error::{Fault, Place, quoted};
 
-use super::document::{Context, Parts};
+use super::document::{Context, Parts, Source};
 use super::merge::merge;
 use super::payload::read_array;
 
 const KINDS: &str = "ImageData, RectilinearGrid, StructuredGrid, PolyData or UnstructuredGrid in one file";
 
 /// Reads an XML file.
-pub(in crate::io) fn read(bytes: &[u8]) -> Result<DataSet, Fault> {
-    let parts = Parts::cut(bytes)?;
+///
+/// # Arguments
+/// * `head`: the whole file, or as much as reaches into its appended raw data.
+/// * `source`: the whole file.
+pub(in crate::io) fn read(head: &[u8], source: Source<'_>) -> Result<DataSet, Fault> {
+    let parts = Parts::cut(head, source)?;
     let document = parts.parse()?;
     let root = document.root_element();
     if !root.has_tag_name("VTKFile") {

@@ -42,7 +42,7 @@ fn survive(folder: &tempfile::TempDir, bytes: &[u8]) -> bool {
     match read_text(folder, "damaged", bytes) {
         Ok(dataset) => {
             // A grid without arrays may declare any size; building it is what the user then asks for.
-            if dataset.point_count() < 100_000 {
+            if dataset.point_count() < 1000 {
                 let _ = mask(&dataset, &MaskSources::default()).map(|mask| domain(&dataset, &mask));
             }
             true
@@ -59,8 +59,8 @@ fn truncated_files_are_refused_or_read() {
     let folder = tempfile::tempdir().unwrap();
     for name in SOURCES {
         let whole = std::fs::read(file(name)).unwrap();
-        for part in 0..120 {
-            survive(&folder, &whole[..whole.len() * part / 120]);
+        for part in 0..60 {
+            survive(&folder, &whole[..whole.len() * part / 60]);
         }
     }
 }
@@ -83,7 +83,7 @@ fn flipped_bits_never_panic() {
     let mut random = Random(0x1234_5678_9abc_def1);
     for name in SOURCES {
         let whole = std::fs::read(file(name)).unwrap();
-        for _ in 0..400 {
+        for _ in 0..200 {
             let mut damaged = whole.clone();
             for _ in 0..=random.below(3) {
                 let place = random.below(damaged.len());
@@ -101,7 +101,7 @@ fn digits_replaced_by_others_never_panic() {
     for name in SOURCES {
         let whole = std::fs::read(file(name)).unwrap();
         let digits: Vec<usize> = (0..whole.len()).filter(|&place| whole[place].is_ascii_digit()).collect();
-        for _ in 0..300 {
+        for _ in 0..150 {
             let mut damaged = whole.clone();
             let place = digits[random.below(digits.len())];
             let replacement: &[u8] = [&b"-1"[..], b"9", b"99999999999", b"0", b"18446744073709551615"][random.below(5)];

@@ -183,3 +183,16 @@ fn nan_and_infinity_are_read_from_ascii() {
     assert_eq!(values[4].to_bits(), (-0.0f64).to_bits());
     assert_eq!(values[5], 1e-310);
 }
+
+#[test]
+fn sections_of_a_legacy_file_may_come_in_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "# vtk DataFile Version 2.0\r\nby hand\r\nASCII\r\nDATASET STRUCTURED_POINTS\r\nDIMENSIONS 2 1 1\r\nASPECT_RATIO 1 1 1\r\n\
+        ORIGIN 0 0 0\r\nPOINT_DATA 2\r\nSCALARS a float\r\nLOOKUP_TABLE mine\r\n1 2\r\nLOOKUP_TABLE mine 1\r\n0 0.5 1 1\r\n\
+        CELL_DATA 1\r\nSCALARS c int 1\r\nLOOKUP_TABLE default\r\n7\r\nPOINT_DATA 2\r\nVECTORS b double\r\n1 2 3 4 5 6\r\n";
+    let image = super::read_text(&folder, "parts.vtk", text.as_bytes()).unwrap();
+    assert_eq!(image.title, "by hand");
+    assert_eq!(image.point_array("a").unwrap().data, ArrayData::F32(vec![1.0, 2.0]));
+    assert_eq!(image.point_array("b").unwrap().to_f64(2), [3.0, 6.0]);
+    assert_eq!(image.cell_array("c").unwrap().data, ArrayData::I32(vec![7]));
+}

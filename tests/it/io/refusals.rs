@@ -127,7 +127,7 @@ fn appended_arrays() {
         "bad, byte START: found an array of 9223372036854775807 bytes in array \"a\"; expected at most the 27 that follow"
     );
     assert_eq!(
-        file("offset=\"0\"", b"\x03\0\0\0\0\0\0\0123"),
+        file("offset=\"0\"", b"\x03\0\0\0\0\0\0\x00123"),
         "bad, byte START: found 3 bytes in array \"a\"; expected 2 values of 1 bytes"
     );
     assert_eq!(

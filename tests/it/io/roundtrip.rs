@@ -138,3 +138,26 @@ fn setting_an_array_keeps_its_place() {
     assert_eq!(names(&dataset).last().unwrap(), "speed_smooth");
     assert_eq!(names(&dataset).len(), before.len() + 1);
 }
+
+#[test]
+fn large_files_are_read_from_disk_array_by_array() {
+    let n = 300_000;
+    let mut dataset = row(n);
+    dataset.set_point_array(DataArray::new("wave", 1, ArrayData::F64((0..n).map(|step| f64::from(step).sin()).collect())));
+    dataset.set_point_array(DataArray::new("pair", 2, ArrayData::U16((0..2 * n).map(|step| step as u16).collect())));
+    dataset.set_point_array(DataArray::new("odd", 1, ArrayData::Bit((0..n).map(|step| step % 2 == 1).collect())));
+    dataset.set_point_array(DataArray::new("names", 1, ArrayData::String((0..n).map(|step| format!("{step}").into_bytes()).collect())));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("large.vti");
+    for compression in [Compression::None, Compression::Zlib] {
+        write_temporary_with(&path, &dataset, compression).unwrap().commit().unwrap();
+        // Not compared as text, which would take seconds; there is no NaN.
+        let again = DataSet { version: None, ..read(&path).unwrap() };
+        assert!(again == dataset, "{compression:?}");
+    }
+    write(&path, &dataset).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() - 1_000_000]).unwrap();
+    let error = read(&path).unwrap_err().to_string();
+    assert!(error.contains("in array \"names\"; expected at most the "), "{error}");
+}

@@ -8,5 +8,4 @@ mod polygons;
 mod real;
 mod refusals;
 pub mod shapes;
-pub mod timing;
 mod volumes;

@@ -4,4 +4,3 @@ mod derived;
 mod laplacian;
 mod mass;
 mod refusals;
-mod timing;

@@ -2,7 +2,7 @@
 
 use morsmooth::qp::{Engine, Problem, QpStatus, Settings, Solution, Term};
 
-use super::peer::clarabel_point;
+use super::peer::clarabel;
 use super::problems::{Case, instance};
 
 /// An unevaluated sum of two doubles (Dekker 1971).
@@ -101,8 +101,7 @@ fn optima_agree_with_clarabel_and_satisfy_the_conditions() {
             };
             assert_eq!(solution.status, QpStatus::Solved, "{case:?} {k} {:?}", solution.kkt);
             assert_kkt(&made.problem, &solution);
-            let (peer, _, _) = clarabel_point(&made.problem);
-            let energy = made.problem.objective.value(&peer);
+            let (_, _, energy) = clarabel(&made.problem);
             let difference = (solution.objective - energy) / energy;
             assert!(difference.abs() < 1e-6, "{case:?} {k}: ours {} theirs {energy}", solution.objective);
         }
@@ -135,4 +134,19 @@ fn larger_problems_of_every_order_reach_the_tolerances() {
             assert_kkt(&made.problem, &solution);
         }
     }
+}
+
+#[test]
+fn a_warm_start_saves_half_of_the_iterations() {
+    let made = instance(50, 2, Case::Smooth, 6);
+    let mut engine = Engine::new(&made.problem.objective, None, Some(&made.coordinates)).unwrap();
+    let rough = Settings { relative_gap: 1e-3, residual: 1e-3, ..Settings::default() };
+    let saved = engine.solve(&made.problem, Some(&made.start), &rough, &mut |_| {}).unwrap();
+    let mut moved = made.problem.clone();
+    moved.objective.linear.iter_mut().enumerate().for_each(|(i, q)| *q *= 1.0 + 0.01 * (i as f64).sin());
+    let cold = engine.solve(&moved, Some(&made.start), &Settings::default(), &mut |_| {}).unwrap();
+    let warm = engine.solve_warm(&moved, (&saved.x, &saved.dual), &Settings::default(), &mut |_| {}).unwrap();
+    assert_eq!(warm.status, QpStatus::Solved);
+    assert!(2 * warm.iterations <= cold.iterations, "{} against {}", warm.iterations, cold.iterations);
+    assert!((warm.objective - cold.objective).abs() < 2e-8 * cold.objective);
 }

@@ -57,6 +57,20 @@ fn options() -> impl Strategy<Value = SmoothOptions<'static>> {
     )
 }
 
+/// Found by `thresholds_are_always_met`: a flat part on one vertex needs an extremum, whose value cannot be kept, because
+/// the shared vertex has the same.
+#[test]
+fn a_flat_part_that_hangs_on_one_vertex() {
+    let points = masked_grid(3, 3, |_, _| true).points().to_vec();
+    let complex = SimplicialComplex::new(2, points, vec![0, 4, 3, 4, 5, 8]).unwrap();
+    let values = [4.0, 0.0, 0.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0];
+    let options = SmoothOptions { order: 1, ..SmoothOptions::new(Selection::Threshold(Threshold::Fraction(0.0))) };
+    let result = judged(&complex, &values, &options).unwrap();
+    assert_eq!((result.wanted.minima, result.wanted.maxima), (vec![VertexId(0), VertexId(5)], vec![VertexId(4)]));
+    assert_eq!((result.report.unavoidable, result.values[4], result.values[5]), (1, 4.0, 0.0));
+    assert!(result.values[0] < 4.0);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2 * ProptestConfig::default().cases, ..ProptestConfig::default() })]
 

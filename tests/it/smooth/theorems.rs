@@ -158,6 +158,9 @@ fn every_refusal_has_its_place() {
     let n = data.len();
     let refusal = |data: &[f64], options: &SmoothOptions<'_>| smooth(&complex, data, options, &mut |_| {}).unwrap_err();
     assert!(matches!(refusal(&data[1..], &above(0.1)), SmoothError::Field(_)));
+    let empty = SimplicialComplex::new(2, vec![[0.0; 3]], Vec::new()).unwrap();
+    let nothing = smooth(&empty, &[1.0], &above(0.1), &mut |_| {}).unwrap_err();
+    assert_eq!(nothing, SmoothError::Empty { vertices: 1, simplices: 0 });
     let mut broken = data.clone();
     broken[17] = f64::NAN;
     assert_eq!(refusal(&broken, &above(0.1)).vertices(), [VertexId(17)]);
