@@ -12,8 +12,9 @@ pub enum OperatorError {
     ///
     /// [`Domain::points_of`](crate::mesh::Domain::points_of) gives the points of the vertices, for a message.
     #[error(
-        "simplex {simplex} on vertices {vertices:?} has zero measure: measure / longest edge^d is {ratio:e}; \
-         expected at least {ZERO_MEASURE:e}"
+        "simplex {simplex} on vertices {} has zero measure: measure / longest edge^d is {ratio:e}; \
+         expected at least {ZERO_MEASURE:e}",
+        vertices.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
     )]
     ZeroMeasure {
         /// The first such top simplex.

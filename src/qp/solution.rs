@@ -54,6 +54,7 @@ pub struct Certificate {
 
 /// How a solve ended. Only [`QpStatus::Solved`] is success.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum QpStatus {
     /// The KKT residuals are within the settings.
     Solved,

@@ -1,5 +1,6 @@
 //! Noisy field in, smooth field with exactly the wanted extrema out.
 
+mod checks;
 mod error;
 mod length;
 mod options;

@@ -9,6 +9,7 @@ use crate::monotone::{
 use crate::morse::{Selection, WantedExtrema};
 use crate::qp::{Progress, Settings};
 
+use super::checks::{check_confidence, check_options, check_power, constant_component, unit};
 use super::error::SmoothError;
 use super::length::cross_validated_length;
 use super::options::{ExtremumValues, Length, SelectOn, SmoothOptions};
@@ -83,18 +84,22 @@ pub fn smooth(
     options: &SmoothOptions<'_>,
     progress: &mut dyn FnMut(SmoothProgress),
 ) -> Result<Smoothed, SmoothError> {
-    check(complex, data, options)?;
+    check_options(complex, data, options)?;
     let mut timing = Timing::default();
     progress(SmoothProgress::Stage("extrema of the data"));
     let measured = timing.measure("extrema", || MeasuredField::new(complex, data.to_vec()))?;
-    refuse_constant(complex, data)?;
+    if let Some((vertex, vertices)) = constant_component(complex, data) {
+        return Err(SmoothError::Constant { vertex, vertices, value: data[vertex.index()] });
+    }
+    check_confidence(complex, options.confidence)?;
+    let unit = unit(measured.range())?;
 
     progress(SmoothProgress::Stage("operators"));
     let operators = timing.measure("operators", || Operators::new(complex))?;
     let mut fitter = timing.measure("analysis", || Fitter::new(complex, &operators, options.order))?;
 
     progress(SmoothProgress::Stage("smoothing length"));
-    let length = timing.measure("length", || resolve_length(&mut fitter, data, options))?;
+    let length = timing.measure("length", || resolve_length(&mut fitter, data, unit, options))?;
     let weights = EnergyWeights {
         order: options.order,
         length: length.absolute,
@@ -111,8 +116,11 @@ pub fn smooth(
         SelectOn::Data => measured,
         SelectOn::Smooth => timing.measure("extrema", || MeasuredField::new(complex, unconstrained.clone()))?,
     };
+    if let Some((vertex, vertices)) = constant_component(complex, &selected_on.values) {
+        return Err(SmoothError::SmoothedAway { vertex, vertices, value: selected_on.values[vertex.index()] });
+    }
     let Selected { wanted, unavoidable } = timing.measure("selection", || select_extrema(complex, &selected_on, &options.selection))?;
-    let rules = rules(&selected_on, &wanted, options);
+    let rules = rules(&selected_on, &wanted, &unavoidable, options);
 
     progress(SmoothProgress::Stage("pinned field"));
     let pinned = timing.measure("pinned", || pinned_field(&mut fitter, data, &weights, &rules, options, &unconstrained))?;
@@ -131,10 +139,17 @@ pub fn smooth(
         .map_err(|found| SmoothError::not_representable(found, options.precision))?;
     let values = keep_isolated(complex, data, repaired.values.clone(), options.precision);
 
-    let energy_of = |field: &[f64]| energy_parts(&operators, data, &weights, field);
-    let total = |field: &[f64]| energy_of(field).0 + energy_of(field).1;
+    // Squares of values can leave the range of numbers where the values do not: compare energies in units of the range.
+    let in_units = |field: &[f64]| field.iter().map(|value| value / unit).collect::<Vec<f64>>();
+    let data_in_units = in_units(data);
+    let energy_of = |field: &[f64]| energy_parts(&operators, &data_in_units, &weights, &in_units(field));
+    let total = |field: &[f64]| {
+        let (smoothness, distance) = energy_of(field);
+        smoothness + distance
+    };
     let (smoothness, distance) = energy_of(&values);
     let (result, bound, free) = (smoothness + distance, total(&pinned), total(&unconstrained));
+    let square = |energy: f64| energy * unit * unit;
     let report = SmoothReport {
         vertices: complex.vertex_count(),
         simplices: complex.simplex_count(),
@@ -147,16 +162,16 @@ pub fn smooth(
         selection_extrema: count(&selected_on),
         threshold: threshold(&selected_on, &options.selection)?,
         wanted: ExtremumCount { minima: wanted.minima.len(), maxima: wanted.maxima.len() },
-        unavoidable,
+        unavoidable: unavoidable.len(),
         order: options.order,
         length,
         representative: guide.report,
         energy: EnergyReport {
-            result,
-            smoothness,
-            data: distance,
-            unconstrained: free,
-            bound,
+            result: square(result),
+            smoothness: square(smoothness),
+            data: square(distance),
+            unconstrained: square(free),
+            bound: square(bound),
             above_bound: result / bound - 1.0,
             above_unconstrained: result / free - 1.0,
             rounds: energies,
@@ -171,69 +186,16 @@ pub fn smooth(
         },
         repair: repair_report(&repaired),
         precision: options.precision,
-        change: change(&operators, data, &values, data_range),
+        change: change(&operators, &data_in_units, &in_units(&values), data_range, unit),
         timing,
     };
     Ok(Smoothed { values, wanted, rules, selected_on, report })
 }
 
-fn check(complex: &SimplicialComplex, data: &[f64], options: &SmoothOptions<'_>) -> Result<(), SmoothError> {
-    let range = |option, found: f64, expected, fits: bool| match fits {
-        true => Ok(()),
-        false => Err(SmoothError::OptionRange { option, found, expected }),
-    };
-    if complex.simplex_count() == 0 {
-        return Err(SmoothError::Empty { vertices: complex.vertex_count(), simplices: 0 });
-    }
-    range("order", options.order as f64, "1, 2, 3 or 4", (1..=4).contains(&options.order))?;
-    match options.length {
-        Length::OfDiagonal(found) | Length::Absolute(found) => {
-            range("smoothing length", found, "a finite number above 0", found > 0.0 && found.is_finite())?;
-        }
-        Length::Automatic => {}
-    }
-    if let ExtremumValues::Within(found) = options.values {
-        range("interval of the values", found, "a finite part not below 0", found >= 0.0 && found.is_finite())?;
-    }
-    range("relative gap", options.relative_gap, "a number in (0, 0.1]", options.relative_gap > 0.0 && options.relative_gap <= 0.1)?;
-    let lists: [(_, _, _, fn(f64) -> bool); 2] = [
-        ("confidence", options.confidence, "a finite number not below 0", |value| value >= 0.0 && value.is_finite()),
-        ("smoothness mask", options.smoothness, "a number in [0, 1]", |value| (0.0..=1.0).contains(&value)),
-    ];
-    for (option, values, expected, fits) in lists {
-        let Some(values) = values else { continue };
-        if values.len() != data.len() {
-            return Err(SmoothError::OptionLength { option, expected: complex.vertex_count(), found: values.len() });
-        }
-        if let Some(vertex) = values.iter().position(|&value| !fits(value)) {
-            return Err(SmoothError::OptionValue { option, vertex: vertex.into(), found: values[vertex], expected });
-        }
-    }
-    Ok(())
-}
-
-/// A component of one value only has no strict field near it.
-fn refuse_constant(complex: &SimplicialComplex, data: &[f64]) -> Result<(), SmoothError> {
-    let (component, count) = complex.components();
-    let mut first: Vec<Option<VertexId>> = vec![None; count];
-    let mut size = vec![0usize; count];
-    let mut varies = vec![false; count];
-    for (vertex, &number) in component.iter().enumerate() {
-        let slot = number as usize;
-        let lowest = *first[slot].get_or_insert(vertex.into());
-        varies[slot] |= data[vertex] != data[lowest.index()];
-        size[slot] += 1;
-    }
-    let constant = (0..count).find(|&slot| !varies[slot] && size[slot] > 1);
-    match constant.and_then(|slot| Some((first[slot]?, size[slot]))) {
-        Some((vertex, vertices)) => Err(SmoothError::Constant { vertex, vertices, value: data[vertex.index()] }),
-        None => Ok(()),
-    }
-}
-
 fn resolve_length(
     fitter: &mut Fitter<'_>,
     data: &[f64],
+    unit: f64,
     options: &SmoothOptions<'_>,
 ) -> Result<LengthReport, SmoothError> {
     let diagonal = fitter.complex().bounding_box_diagonal();
@@ -243,9 +205,10 @@ fn resolve_length(
         automatic: noise.is_some(),
         noise,
     };
+    let given = |absolute: f64| check_power(absolute, options.order).map(|()| report(absolute, None));
     Ok(match options.length {
-        Length::Absolute(length) => report(length, None),
-        Length::OfDiagonal(fraction) => report(fraction * diagonal, None),
+        Length::Absolute(length) => given(length)?,
+        Length::OfDiagonal(fraction) => given(fraction * diagonal)?,
         Length::Automatic => {
             let weights = EnergyWeights {
                 order: options.order,
@@ -254,8 +217,12 @@ fn resolve_length(
                 smoothness: options.smoothness,
             };
             let shortest = SHORTEST_EDGES * mean_edge(fitter.complex());
-            let chosen = cross_validated_length(fitter, data, &weights, (shortest, 0.25 * diagonal.max(4.0 * shortest)))?;
-            report(chosen.length, Some(chosen.noise))
+            let longest = 0.25 * diagonal.max(4.0 * shortest);
+            check_power(shortest, options.order)?;
+            check_power(longest, options.order)?;
+            let in_units: Vec<f64> = data.iter().map(|value| value / unit).collect();
+            let chosen = cross_validated_length(fitter, &in_units, &weights, (shortest, longest))?;
+            report(chosen.length, Some(chosen.noise * unit))
         }
     })
 }
@@ -268,10 +235,19 @@ fn mean_edge(complex: &SimplicialComplex) -> f64 {
     complex.edges().iter().map(length).sum::<f64>() / complex.edges().len().max(1) as f64
 }
 
-fn rules(field: &MeasuredField, wanted: &WantedExtrema, options: &SmoothOptions<'_>) -> Vec<ValueRule> {
+fn rules(
+    field: &MeasuredField,
+    wanted: &WantedExtrema,
+    unavoidable: &[VertexId],
+    options: &SmoothOptions<'_>,
+) -> Vec<ValueRule> {
     let (low, high) = field.range();
     let mut rules = vec![ValueRule::Free; field.values.len()];
     for &extremum in wanted.minima.iter().chain(&wanted.maxima) {
+        // Nobody asked for these; on a plateau their values would even contradict their neighbours'.
+        if unavoidable.binary_search(&extremum).is_ok() {
+            continue;
+        }
         let value = options.precision.round(field.values[extremum.index()]);
         rules[extremum.index()] = match options.values {
             ExtremumValues::Keep => ValueRule::Exactly(value),
@@ -336,7 +312,7 @@ fn guide(
         Err(found) if options.strategy == Strategy::Flood => Err(found.into()),
         Err(found) => {
             let why = format!(
-                "in its order vertex {} (value {}) lies below vertex {} (value {})",
+                "in its order vertex {} (value {:?}) lies below vertex {} (value {:?})",
                 found.low, found.low_value, found.high, found.high_value
             );
             Ok(build(flooded()?, Strategy::Flood, Some(why))?)
@@ -456,7 +432,7 @@ fn repair_report(repaired: &Repaired) -> RepairReport {
     RepairReport { moved: repaired.moved, largest_move: repaired.largest_move }
 }
 
-fn change(operators: &Operators, data: &[f64], values: &[f64], (low, high): (f64, f64)) -> ChangeReport {
+fn change(operators: &Operators, data: &[f64], values: &[f64], (low, high): (f64, f64), unit: f64) -> ChangeReport {
     let (mut square, mut mass, mut largest) = (0.0, 0.0, 0.0f64);
     for i in 0..data.len() {
         let difference = values[i] - data[i];
@@ -464,6 +440,6 @@ fn change(operators: &Operators, data: &[f64], values: &[f64], (low, high): (f64
         mass += operators.mass[i];
         largest = largest.max(difference.abs());
     }
-    let rms = (square / mass).sqrt();
-    ChangeReport { rms, largest, rms_of_range: if high > low { rms / (high - low) } else { 0.0 } }
+    let rms = (square / mass).sqrt() * unit;
+    ChangeReport { rms, largest: largest * unit, rms_of_range: if high > low { rms / (high - low) } else { 0.0 } }
 }

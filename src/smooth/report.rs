@@ -169,7 +169,7 @@ pub struct SmoothReport {
     /// Extrema asked for.
     pub wanted: ExtremumCount,
     /// Of these, kept below the threshold because their part of the domain touches the rest at one vertex only, so that no
-    /// field is without them.
+    /// field is without them. Their values are free.
     pub unavoidable: usize,
     /// Order k of the polyharmonic energy.
     pub order: usize,

@@ -53,8 +53,8 @@ impl MeasuredField {
 pub struct Selected {
     /// The wanted extrema, by rising vertex.
     pub wanted: WantedExtrema,
-    /// Of these, kept only because no field is without them.
-    pub unavoidable: usize,
+    /// Of these, kept only because no field is without them, by rising vertex. Nobody asked for their values.
+    pub unavoidable: Vec<VertexId>,
 }
 
 /// Chooses the wanted extrema of a field.
@@ -73,7 +73,7 @@ pub fn select_extrema(
     selection: &Selection,
 ) -> Result<Selected, SmoothError> {
     let mut wanted = select(&field.minima, &field.maxima, &field.values, selection)?;
-    let mut unavoidable = 0;
+    let mut unavoidable = Vec::new();
     loop {
         let regions = unreachable_regions(complex, &wanted);
         let Some(first) = regions.first() else { break };
@@ -105,10 +105,11 @@ pub fn select_extrema(
                 ExtremumKind::Minimum => wanted.minima.push(pair.extremum),
                 ExtremumKind::Maximum => wanted.maxima.push(pair.extremum),
             }
-            unavoidable += 1;
+            unavoidable.push(pair.extremum);
         }
     }
     wanted.minima.sort_unstable();
     wanted.maxima.sort_unstable();
+    unavoidable.sort_unstable();
     Ok(Selected { wanted, unavoidable })
 }

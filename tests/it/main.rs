@@ -10,6 +10,8 @@ mod audit;
 mod morse;
 mod operators;
 mod plot;
+mod program;
 mod linalg;
 mod qp;
+mod smooth;
 mod support;

@@ -114,11 +114,11 @@ pub struct ExtremaArgs {
 #[group(multiple = false)]
 pub struct SelectionArgs {
     /// Keep extrema whose persistence exceeds this part of the range: 10% or 0.1.
-    #[arg(long, value_name = "FRACTION", value_parser = fraction)]
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, allow_hyphen_values = true)]
     pub persistence: Option<f64>,
 
     /// Keep extrema whose persistence exceeds this, in the units of the array.
-    #[arg(long, value_name = "VALUE")]
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
     pub persistence_abs: Option<f64>,
 
     /// Keep this many extrema, minima and maxima together, the most persistent ones.
@@ -155,7 +155,7 @@ pub struct SmoothArgs {
     pub select: SelectKind,
 
     /// Values at the extrema: keep, free, or within a part of the range such as 5%.
-    #[arg(long, value_name = "keep|free|FRACTION", default_value = "keep", value_parser = extremum_values)]
+    #[arg(long, value_name = "keep|free|FRACTION", default_value = "keep", value_parser = extremum_values, allow_hyphen_values = true)]
     pub values: ValuesKind,
 
     /// Order of the polyharmonic energy, 1 to 4.
@@ -163,11 +163,11 @@ pub struct SmoothArgs {
     pub order: u8,
 
     /// Smoothing length as a part of the diagonal of the bounding box: 2% or 0.02. Chosen from the noise by default.
-    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs")]
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs", allow_hyphen_values = true)]
     pub length: Option<f64>,
 
     /// Smoothing length in the units of the points.
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     pub length_abs: Option<f64>,
 
     /// Point array with the confidence in each value, 0 or more.
@@ -191,7 +191,7 @@ pub struct SmoothArgs {
     pub refine: usize,
 
     /// Relative duality gap at which the solver stops.
-    #[arg(long, value_name = "GAP", default_value_t = 1e-8)]
+    #[arg(long, value_name = "GAP", default_value_t = 1e-8, allow_negative_numbers = true)]
     pub gap: f64,
 
     /// Write the raw optimum: ties are left where the point numbers break them, so a plain < may see plateaus.

@@ -11,16 +11,19 @@ use crate::Outcome;
 use crate::args::CheckArgs;
 use crate::failure::Failure;
 use crate::input::{FieldInput, read_points};
-use crate::output::check_target;
+use crate::output::check_report;
 use crate::report::{audit_json, audit_line, header, write_report};
 use crate::talk::Talk;
 
 /// Runs the command.
 pub fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
-    args.talk.report.as_deref().map_or(Ok(()), check_target)?;
+    let given = [&args.minima, &args.maxima, &args.against];
+    let read: Vec<&Path> = given.into_iter().flatten().chain([&args.field.input]).map(|path| path.as_path()).collect();
+    check_report(args.talk.report.as_deref(), &read)?;
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
     let input = FieldInput::load(&args.field)?;
+    input.notes.iter().for_each(|note| talk.line(&format!("note: {note}")));
     talk.stage("audit");
     let complex = &input.domain.complex;
     let failure = |error: morsmooth::field::FieldError| Failure::file(&input.path, error);

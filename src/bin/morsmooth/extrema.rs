@@ -10,7 +10,8 @@ use crate::Outcome;
 use crate::args::ExtremaArgs;
 use crate::failure::Failure;
 use crate::input::FieldInput;
-use crate::output::check_target;
+use crate::number::short;
+use crate::output::{check_directory, check_report};
 use crate::report::{header, pairs, write_report};
 use crate::talk::Talk;
 
@@ -21,10 +22,12 @@ const GAPS: usize = 4;
 
 /// Runs the command.
 pub fn run(args: &ExtremaArgs) -> Result<Outcome, Failure> {
-    args.talk.report.as_deref().map_or(Ok(()), check_target)?;
+    check_report(args.talk.report.as_deref(), &[&args.field.input])?;
+    check_directory(args.plots.as_deref())?;
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
     let input = FieldInput::load(&args.field)?;
+    input.notes.iter().for_each(|note| talk.line(&format!("note: {note}")));
     talk.stage("extrema");
     let field = MeasuredField::new(&input.domain.complex, input.values.clone())
         .map_err(|error| input.smooth_failure(&error))?;
@@ -55,7 +58,7 @@ pub fn run(args: &ExtremaArgs) -> Result<Outcome, Failure> {
     if !args.talk.quiet {
         let mut out = std::io::stdout().lock();
         let mut lines = vec![
-            format!("{} on {} vertices, values {low:.6} to {high:.6}", input.name, field.values.len()),
+            format!("{} on {} vertices, values {} to {}", input.name, field.values.len(), short(low), short(high)),
             format!("{} minima, {} maxima, boundary included", field.minima.len(), field.maxima.len()),
             String::new(),
             format!("{:>11} {:>14} {:>8} {:>8}", "persistence", "in file units", "minima", "maxima"),
@@ -63,7 +66,7 @@ pub fn run(args: &ExtremaArgs) -> Result<Outcome, Failure> {
         for percent in THRESHOLDS {
             let threshold = percent / 100.0 * (high - low);
             let (minima, maxima) = curve.at(threshold);
-            lines.push(format!("{:>11} {threshold:>14.6} {minima:>8} {maxima:>8}", format!("> {percent} %")));
+            lines.push(format!("{:>11} {:>14} {minima:>8} {maxima:>8}", format!("> {percent} %"), short(threshold)));
         }
         if !gaps.is_empty() {
             lines.push(String::new());

@@ -10,7 +10,7 @@ use crate::Outcome;
 use crate::args::InfoArgs;
 use crate::failure::Failure;
 use crate::input::describe;
-use crate::output::check_target;
+use crate::output::check_report;
 use crate::report::write_report;
 use crate::talk::Talk;
 
@@ -19,7 +19,7 @@ const SHOWN: usize = 20;
 
 /// Runs the command.
 pub fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
-    args.talk.report.as_deref().map_or(Ok(()), check_target)?;
+    check_report(args.talk.report.as_deref(), &[&args.input])?;
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
     let dataset = read(&args.input).map_err(|error| Failure::usage(error.to_string()))?;

@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use morsmooth::field::VertexId;
-use morsmooth::io::{ArrayData, DataArray, DataSet, MaskSources, domain, mask, read};
-use morsmooth::mesh::Domain;
+use morsmooth::io::{ArrayData, DataArray, DataSet, DomainIoError, MaskSources, domain, mask, read};
+use morsmooth::mesh::{Domain, Mask, check};
 use morsmooth::monotone::Precision;
-use morsmooth::operators::{Derived, derive};
+use morsmooth::operators::{Derived, OperatorError, derive};
 use morsmooth::smooth::SmoothError;
 
 use crate::args::{DeriveKind, FieldArgs};
 use crate::failure::Failure;
+use crate::number::short;
 
 /// A scalar field of a file, on the part of its points that is the domain.
 pub struct FieldInput {
@@ -30,6 +31,8 @@ pub struct FieldInput {
     pub values: Vec<f64>,
     /// Width in which results are stored: that of the array.
     pub precision: Precision,
+    /// What was found and handled while the domain was made.
+    pub notes: Vec<String>,
 }
 
 impl FieldInput {
@@ -56,7 +59,17 @@ impl FieldInput {
             let text = format!("array {name} is {} at point {point}; expected a finite number", values[vertex]);
             return Err(file(&text).hint("NaN marks a hole; an infinite value must be masked (--mask) or repaired"));
         }
-        Ok(Self { path: args.input.clone(), dataset, name, mask: args.mask.clone(), domain, on_points, values, precision })
+        let mut notes: Vec<String> = domain.notes.iter().map(ToString::to_string).collect();
+        let (domain, values) = match constant_parts(&domain, &values) {
+            Some((constant, found)) => {
+                notes.extend(found);
+                let domain = domain_without(&dataset, kept, &constant).map_err(|error| file(&error))?;
+                let values = domain.restrict(&on_points);
+                (domain, values)
+            }
+            None => (domain, values),
+        };
+        Ok(Self { path: args.input.clone(), dataset, name, mask: args.mask.clone(), domain, on_points, values, precision, notes })
     }
 
     /// The vertex of a point of the file.
@@ -65,13 +78,19 @@ impl FieldInput {
         let vertex = usize::try_from(point).ok().and_then(|point| self.domain.vertex_of_point().get(point));
         match vertex {
             Some(Some(vertex)) => Ok(*vertex),
-            Some(None) => Err(Failure::file(source, format!("point {point} is not in the domain of {}; expected a point that is not masked", self.path.display()))),
+            Some(None) => Err(Failure::file(source, format!("point {point} is not in the domain of {}; expected a point that is neither masked nor left out", self.path.display()))),
             None => Err(Failure::file(source, format!("found point {point}; {} has points 0 to {}", self.path.display(), points.saturating_sub(1)))),
         }
     }
 
     /// An error of the library as one about the file, vertices translated to points.
     pub fn smooth_failure(&self, error: &SmoothError) -> Failure {
+        if let SmoothError::Operator(OperatorError::ZeroMeasure { .. }) = error {
+            // The mesh knows the user's cell and points.
+            if let Err(fault) = check(&self.domain) {
+                return Failure::file(&self.path, fault);
+            }
+        }
         let failure = Failure::file(&self.path, error);
         let vertices = error.vertices();
         let points = self.domain.points_of(&vertices);
@@ -82,6 +101,44 @@ impl FieldInput {
             vertices.iter().zip(&points).map(|(vertex, point)| format!("vertex {vertex} is point {point} of the file")).collect();
         failure.hint(names.join(", "))
     }
+}
+
+/// The points of components with one value only, beside components that vary, and a note on each.
+///
+/// No strict field is near such a component, so it is left out and keeps its values. A field without any variation is left
+/// to the library to refuse.
+fn constant_parts(domain: &Domain, values: &[f64]) -> Option<(Vec<u32>, Vec<String>)> {
+    let (component, count) = domain.complex.components();
+    let mut first = vec![usize::MAX; count];
+    let mut size = vec![0usize; count];
+    let mut varies = vec![false; count];
+    for (vertex, &number) in component.iter().enumerate() {
+        let slot = number as usize;
+        first[slot] = first[slot].min(vertex);
+        varies[slot] |= values[vertex] != values[first[slot]];
+        size[slot] += 1;
+    }
+    if !varies.contains(&true) || !varies.contains(&false) {
+        return None;
+    }
+    let point = |vertex: usize| domain.point_of_vertex()[vertex];
+    let constant = component.iter().enumerate().filter(|&(_, &number)| !varies[number as usize]);
+    let points = constant.map(|(vertex, _)| point(vertex)).collect();
+    let notes = (0..count).filter(|&slot| !varies[slot]).map(|slot| {
+        format!(
+            "the field is constant (value {:?}) on a part of {} points, first point {}; left out, they keep their value",
+            values[first[slot]],
+            size[slot],
+            point(first[slot])
+        )
+    });
+    Some((points, notes.collect()))
+}
+
+fn domain_without(dataset: &DataSet, mut kept: Mask, points: &[u32]) -> Result<Domain, DomainIoError> {
+    let keep = kept.keep_points.get_or_insert_with(|| vec![true; dataset.point_count()]);
+    points.iter().for_each(|&point| keep[point as usize] = false);
+    domain(dataset, &kept)
 }
 
 /// Numeric point arrays that could be meant.
@@ -141,7 +198,7 @@ pub fn describe(array: &DataArray) -> String {
         .iter()
         .filter(|value| !value.is_nan())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)));
-    if low > high { format!("{} (no values)", array.name) } else { format!("{} ({low:.6} to {high:.6})", array.name) }
+    if low > high { format!("{} (no values)", array.name) } else { format!("{} ({} to {})", array.name, short(low), short(high)) }
 }
 
 /// What a derived field is called, after the name of the vector.
@@ -155,7 +212,7 @@ fn label(kind: DeriveKind) -> &'static str {
     }
 }
 
-fn derived(array: &DataArray, kind: DeriveKind, domain: &Domain, precision: Precision) -> Result<Vec<f64>, morsmooth::operators::OperatorError> {
+fn derived(array: &DataArray, kind: DeriveKind, domain: &Domain, precision: Precision) -> Result<Vec<f64>, OperatorError> {
     let component = |index: usize| match index < array.components {
         true => domain.restrict(&array.to_f64(index)),
         false => vec![0.0; domain.complex.vertex_count()],
@@ -182,7 +239,10 @@ pub fn weights_array(input: &FieldInput, name: &str) -> Result<Vec<f64>, Failure
         let names: Vec<&str> = input.dataset.point_data.arrays.iter().map(|array| array.name.as_str()).collect();
         return Err(Failure::file(&input.path, format!("found no point array '{name}'; expected one of {}", names.join(", "))));
     };
-    if array.components != 1 || matches!(array.data, ArrayData::String(_)) {
+    if matches!(array.data, ArrayData::String(_)) {
+        return Err(Failure::file(&input.path, format!("array '{name}' holds texts; expected one number a point")));
+    }
+    if array.components != 1 {
         return Err(Failure::file(&input.path, format!("array '{name}' has {} components; expected one number a point", array.components)));
     }
     Ok(input.domain.restrict(&array.to_f64(0)))
@@ -227,7 +287,7 @@ fn diagram_points(path: &Path) -> Result<Vec<u64>, Failure> {
     let kinds = diagram.point_array("CriticalType").map(|array| array.to_f64(0));
     const MINIMUM: f64 = 0.0;
     const MAXIMUM: f64 = 3.0;
-    let is_extremum = |place: usize| kinds.as_ref().is_none_or(|kinds| kinds[place] == MINIMUM || kinds[place] == MAXIMUM);
+    let is_extremum = |place: usize| kinds.as_ref().is_none_or(|kinds| matches!(kinds.get(place), Some(&kind) if kind == MINIMUM || kind == MAXIMUM));
     let ids = ids.to_f64(0);
     let wanted = ids.iter().enumerate().filter(|&(place, _)| is_extremum(place));
     wanted

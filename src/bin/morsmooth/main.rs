@@ -7,6 +7,7 @@ mod extrema;
 mod failure;
 mod info;
 mod input;
+mod number;
 mod output;
 mod pictures;
 mod report;

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use morsmooth::io::is_same_file;
+
 use crate::failure::Failure;
 
 /// Refuses a target whose directory does not exist or that is a directory itself.
@@ -9,14 +11,44 @@ pub fn check_target(path: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         return Err(Failure::file(path, "the output is a directory; expected a file name"));
     }
-    let parent = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
-        _ => PathBuf::from("."),
-    };
+    let parent = parent(path);
     if parent.is_dir() {
         Ok(())
     } else {
         Err(Failure::file(path, format!("the directory {} does not exist; expected one that can be written", parent.display())))
+    }
+}
+
+/// Refuses a report that cannot be written, or that would overwrite one of the other files of the run.
+pub fn check_report(report: Option<&Path>, others: &[&Path]) -> Result<(), Failure> {
+    let Some(report) = report else { return Ok(()) };
+    check_target(report)?;
+    match others.iter().find(|other| is_same_place(report, other)) {
+        Some(other) => Err(Failure::file(report, format!("the report would overwrite {}; expected another name", other.display()))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a directory of pictures that cannot be made.
+pub fn check_directory(directory: Option<&Path>) -> Result<(), Failure> {
+    let Some(directory) = directory else { return Ok(()) };
+    match directory.ancestors().find(|ancestor| ancestor.exists()) {
+        Some(file) if !file.is_dir() => {
+            Err(Failure::file(directory, format!("{} is a file; expected a directory, or a name for a new one", file.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether two paths name the same file, which need not exist yet.
+fn is_same_place(a: &Path, b: &Path) -> bool {
+    is_same_file(a, b) || (a.file_name() == b.file_name() && is_same_file(&parent(a), &parent(b)))
+}
+
+fn parent(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
     }
 }
 

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use crate::args::SmoothArgs;
 use crate::failure::Failure;
 use crate::input::FieldInput;
+use crate::number::short;
 use crate::output::write_whole;
 
 /// Writes a report.
@@ -34,7 +35,7 @@ pub fn header(input: &FieldInput) -> Value {
         "vertices": domain.complex.vertex_count(),
         "simplices": domain.complex.simplex_count(),
         "dimension": domain.complex.dimension(),
-        "notes": domain.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "notes": input.notes,
     })
 }
 
@@ -147,15 +148,15 @@ impl SmoothJob<'_> {
         let report = &self.result.report;
         let (low, high) = report.data_range;
         let mut lines = vec![
-            ("field", format!("{} on {} vertices, values {low:.6} to {high:.6}", self.input.name, report.vertices)),
+            ("field", format!("{} on {} vertices, values {} to {}", self.input.name, report.vertices, short(low), short(high))),
             ("extrema before", report.before.to_string()),
         ];
         if report.select_on == SelectOn::Smooth {
             let (low, high) = report.selection_range;
-            lines.push(("smooth field", format!("{}, values {low:.6} to {high:.6}", report.selection_extrema)));
+            lines.push(("smooth field", format!("{}, values {} to {}", report.selection_extrema, short(low), short(high))));
         }
         let rule = match report.threshold {
-            Some(threshold) => format!(" (persistence above {threshold:.6})"),
+            Some(threshold) => format!(" (persistence above {})", short(threshold)),
             None => String::new(),
         };
         lines.push(("extrema wanted", format!("{}{rule}", report.wanted)));
@@ -163,15 +164,15 @@ impl SmoothJob<'_> {
             lines.push(("", format!("{} of them only because their part of the domain hangs on one vertex", report.unavoidable)));
         }
         let noise = match report.length.noise {
-            Some(noise) => format!(", chosen by cross-validation; noise about {noise:.4}"),
+            Some(noise) => format!(", chosen by cross-validation; noise about {}", short(noise)),
             None => String::new(),
         };
         lines.push((
             "smoothing",
             format!(
-                "order {}, length {:.6} ({:.2} % of the diagonal){noise}",
+                "order {}, length {} ({:.2} % of the diagonal){noise}",
                 report.order,
-                report.length.absolute,
+                short(report.length.absolute),
                 100.0 * report.length.of_diagonal
             ),
         ));
@@ -181,10 +182,10 @@ impl SmoothJob<'_> {
         lines.push((
             "energy",
             format!(
-                "{:.6e}: {:.2} % above the least possible with these extrema's values, {:.2} % above the unconstrained field",
+                "{:.6e}: {} above the least possible with these extrema's values, {} above the unconstrained field",
                 report.energy.result,
-                100.0 * report.energy.above_bound,
-                100.0 * report.energy.above_unconstrained
+                percent(report.energy.above_bound),
+                percent(report.energy.above_unconstrained)
             ),
         ));
         lines.push((
@@ -201,10 +202,10 @@ impl SmoothJob<'_> {
         lines.push((
             "change",
             format!(
-                "rms {:.6} ({:.2} % of the range), largest {:.6}",
-                report.change.rms,
+                "rms {} ({:.2} % of the range), largest {}",
+                short(report.change.rms),
                 100.0 * report.change.rms_of_range,
-                report.change.largest
+                short(report.change.largest)
             ),
         ));
         lines.push(("repair", format!("{} vertices, by at most {:.1e}", report.repair.moved, report.repair.largest_move)));
@@ -233,6 +234,15 @@ impl SmoothJob<'_> {
         for (what, text) in lines {
             let _ = writeln!(stdout, "{what:<15} {text}");
         }
+    }
+}
+
+/// An excess as a percentage; an energy of nothing has none.
+fn percent(excess: f64) -> String {
+    match excess {
+        excess if !excess.is_finite() => "immeasurably".to_owned(),
+        excess if excess < 1e4 => format!("{:.2} %", 100.0 * excess),
+        excess => format!("{:.2e} times", excess + 1.0),
     }
 }
 

@@ -1,5 +1,6 @@
 //! `morsmooth smooth`: read, smooth, write beside, read back, audit, rename.
 
+use std::path::Path;
 use std::time::Instant;
 
 use morsmooth::audit::{AuditReport, Plateaus, Wanted, audit};
@@ -12,7 +13,7 @@ use crate::Outcome;
 use crate::args::{EdgesKind, SelectKind, SelectionArgs, SmoothArgs, StrategyKind, ValuesKind};
 use crate::failure::Failure;
 use crate::input::{FieldInput, read_points, weights_array};
-use crate::output::check_target;
+use crate::output::{check_directory, check_report, check_target};
 use crate::report::{SmoothJob, write_report};
 use crate::talk::Talk;
 
@@ -24,16 +25,23 @@ pub fn run(args: &SmoothArgs) -> Result<Outcome, Failure> {
             .hint("the input is never changed; write to another file and rename it yourself"));
     }
     check_target(&args.output)?;
-    args.talk.report.as_deref().map_or(Ok(()), check_target)?;
+    let keep = args.selection.keep.as_deref();
+    let others: Vec<&Path> = [args.field.input.as_path(), args.output.as_path()].into_iter().chain(keep).collect();
+    check_report(args.talk.report.as_deref(), &others)?;
+    if keep.is_some_and(|keep| is_same_file(keep, &args.output)) {
+        return Err(Failure::file(&args.output, "the output would overwrite the file of --keep; expected another name"));
+    }
+    check_directory(args.plots.as_deref())?;
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
     let input = FieldInput::load(&args.field)?;
     let read_seconds = begin.elapsed().as_secs_f64();
-    for note in input.domain.notes.iter() {
+    for note in &input.notes {
         talk.line(&format!("note: {note}"));
     }
     let output_array = args.output_array.clone().unwrap_or_else(|| format!("{}_smooth", input.name));
-    if output_array == input.name && args.field.derive.is_none() {
+    check_output_array(&output_array, args)?;
+    if input.dataset.point_array(&output_array).is_some() {
         talk.line(&format!("note: the array {output_array} of the input is replaced in the output"));
     }
 
@@ -85,11 +93,6 @@ pub fn run(args: &SmoothArgs) -> Result<Outcome, Failure> {
     let verdict = audit_written(pending.path(), &input, &output_array, &result, args.raw)?;
     let write_seconds = writing.elapsed().as_secs_f64();
     let keep = verdict.passed || args.keep_unaudited;
-    if keep {
-        pending.commit().map_err(|error| Failure::usage(error.to_string()))?;
-    } else {
-        drop(pending);
-    }
     let job = SmoothJob {
         args,
         input: &input,
@@ -105,6 +108,12 @@ pub fn run(args: &SmoothArgs) -> Result<Outcome, Failure> {
         talk.stage("pictures");
         crate::pictures::smooth(directory, &job)?;
     }
+    // Last, so that whatever fails before leaves no output.
+    if keep {
+        pending.commit().map_err(|error| Failure::usage(error.to_string()))?;
+    } else {
+        drop(pending);
+    }
     talk.finish();
     if let Some(path) = &args.talk.report {
         write_report(path, &job.to_json())?;
@@ -113,6 +122,20 @@ pub fn run(args: &SmoothArgs) -> Result<Outcome, Failure> {
         job.print_summary();
     }
     Ok(if verdict.passed { Outcome::Done } else { Outcome::NotMet })
+}
+
+/// Refuses a result in the place of an array that decided on it.
+fn check_output_array(name: &str, args: &SmoothArgs) -> Result<(), Failure> {
+    if name.is_empty() {
+        return Err(Failure::usage("found an empty name for --output-array; expected a name"));
+    }
+    let roles = [("--mask", &args.field.mask), ("--confidence", &args.confidence), ("--smoothness", &args.smoothness)];
+    match roles.iter().find(|(_, array)| array.as_deref() == Some(name)) {
+        Some((role, _)) => {
+            Err(Failure::usage(format!("the result would replace the array '{name}' of {role}; expected another --output-array")))
+        }
+        None => Ok(()),
+    }
 }
 
 fn selection(args: &SelectionArgs, input: &FieldInput) -> Result<Selection, Failure> {
@@ -145,7 +168,7 @@ fn output_values(input: &FieldInput, name: &str, values: &[f64]) -> DataArray {
 
 /// Reads the written file back and judges the array in it.
 fn audit_written(
-    path: &std::path::Path,
+    path: &Path,
     input: &FieldInput,
     array: &str,
     result: &Smoothed,

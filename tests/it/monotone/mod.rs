@@ -1,3 +1,4 @@
 //! Functions with controlled extrema.
 
+mod fit;
 mod graph;

@@ -1,0 +1,92 @@
+//! What is refused before any work, and the units in which the rest is safe from overflow.
+
+use crate::field::VertexId;
+use crate::mesh::SimplicialComplex;
+
+use super::error::SmoothError;
+use super::options::{ExtremumValues, Length, SmoothOptions};
+
+/// Refuses options out of their range.
+pub(super) fn check_options(complex: &SimplicialComplex, data: &[f64], options: &SmoothOptions<'_>) -> Result<(), SmoothError> {
+    let range = |option, found: f64, expected, fits: bool| match fits {
+        true => Ok(()),
+        false => Err(SmoothError::OptionRange { option, found, expected }),
+    };
+    if complex.simplex_count() == 0 {
+        return Err(SmoothError::Empty { vertices: complex.vertex_count(), simplices: 0 });
+    }
+    range("order", options.order as f64, "1, 2, 3 or 4", (1..=4).contains(&options.order))?;
+    match options.length {
+        Length::OfDiagonal(found) | Length::Absolute(found) => {
+            range("smoothing length", found, "a finite number above 0", found > 0.0 && found.is_finite())?;
+        }
+        Length::Automatic => {}
+    }
+    if let ExtremumValues::Within(found) = options.values {
+        range("interval of the values", found, "a finite part not below 0", found >= 0.0 && found.is_finite())?;
+    }
+    range("relative gap", options.relative_gap, "a number in (0, 0.1]", options.relative_gap > 0.0 && options.relative_gap <= 0.1)?;
+    type Fits = fn(f64) -> bool;
+    let lists: [(&'static str, _, &'static str, Fits); 2] = [
+        ("confidence", options.confidence, "a finite number not below 0", |value| value >= 0.0 && value.is_finite()),
+        ("smoothness mask", options.smoothness, "a number in [0, 1]", |value| (0.0..=1.0).contains(&value)),
+    ];
+    for (option, values, expected, fits) in lists {
+        let Some(values) = values else { continue };
+        if values.len() != data.len() {
+            return Err(SmoothError::OptionLength { option, expected: complex.vertex_count(), found: values.len() });
+        }
+        if let Some(vertex) = values.iter().position(|&value| !fits(value)) {
+            return Err(SmoothError::OptionValue { option, vertex: vertex.into(), found: values[vertex], expected });
+        }
+    }
+    Ok(())
+}
+
+/// The first component with one value only, near which there is no strict field: its lowest vertex and its size.
+pub(super) fn constant_component(complex: &SimplicialComplex, data: &[f64]) -> Option<(VertexId, usize)> {
+    let (component, count) = complex.components();
+    let mut first: Vec<Option<VertexId>> = vec![None; count];
+    let mut size = vec![0usize; count];
+    let mut varies = vec![false; count];
+    for (vertex, &number) in component.iter().enumerate() {
+        let slot = number as usize;
+        let lowest = *first[slot].get_or_insert(vertex.into());
+        varies[slot] |= data[vertex] != data[lowest.index()];
+        size[slot] += 1;
+    }
+    let constant = (0..count).find(|&slot| !varies[slot] && size[slot] > 1);
+    constant.and_then(|slot| Some((first[slot]?, size[slot])))
+}
+
+/// Refuses a component on which no data value counts: nothing would decide on its level.
+pub(super) fn check_confidence(complex: &SimplicialComplex, confidence: Option<&[f64]>) -> Result<(), SmoothError> {
+    let Some(confidence) = confidence else { return Ok(()) };
+    let (component, count) = complex.components();
+    let mut counts = vec![false; count];
+    component.iter().zip(confidence).for_each(|(&number, &value)| counts[number as usize] |= value > 0.0);
+    match component.iter().position(|&number| !counts[number as usize]) {
+        Some(vertex) => Err(SmoothError::NoConfidence { vertex: vertex.into() }),
+        None => Ok(()),
+    }
+}
+
+/// The power of two at or below the range of the values: dividing by it changes no digit.
+pub(super) fn unit((low, high): (f64, f64)) -> Result<f64, SmoothError> {
+    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+    let range = high - low;
+    match range.is_finite() {
+        true => Ok(f64::from_bits(range.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)),
+        false => Err(SmoothError::Range { low, high }),
+    }
+}
+
+/// Refuses a length of which the energy cannot be assembled.
+pub(super) fn check_power(length: f64, order: usize) -> Result<(), SmoothError> {
+    const POWERS: std::ops::Range<f64> = 1e-300..1e300;
+    let power = 2 * order as i32;
+    match POWERS.contains(&length.powi(power)) {
+        true => Ok(()),
+        false => Err(SmoothError::LengthPower { length, power }),
+    }
+}
