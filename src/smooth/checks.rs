@@ -16,6 +16,8 @@ pub(super) fn check_options(complex: &SimplicialComplex, data: &[f64], options: 
         return Err(SmoothError::Empty { vertices: complex.vertex_count(), simplices: 0 });
     }
     range("order", options.order as f64, "1, 2, 3 or 4", (1..=4).contains(&options.order))?;
+    let has_effect = options.smoothness.is_none() || options.order > 1;
+    range("order", options.order as f64, "2, 3 or 4 with a smoothness mask, which has no effect at order 1", has_effect)?;
     match options.length {
         Length::OfDiagonal(found) | Length::Absolute(found) => {
             range("smoothing length", found, "a finite number above 0", found > 0.0 && found.is_finite())?;

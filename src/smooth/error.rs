@@ -58,7 +58,7 @@ pub enum SmoothError {
         "no strictly monotone field fits into {} at vertex {vertex}: its wanted neighbours in value are too close; expected \
          more distance between extrema: raise the threshold, or free their values{}",
         match precision { Precision::F32 => "32-bit numbers", Precision::F64 => "64-bit numbers" },
-        match precision { Precision::F32 => ", or store 64-bit values", Precision::F64 => "" }
+        match precision { Precision::F32 => ", or convert the array to 64 bits", Precision::F64 => "" }
     )]
     NotRepresentable {
         /// The vertex without a value left.

@@ -37,8 +37,9 @@ const FOLDS: usize = 6;
 pub struct ChosenLength {
     /// In the units of the points.
     pub length: f64,
-    /// Estimated standard deviation of what cannot be predicted, the noise, in the units of the values.
-    pub noise: f64,
+    /// Root mean square of what was not predicted, in the units of the values: the standard deviation of the noise, and on top the
+    /// error of the prediction, which is largest near boundaries. `None` where too few values were left to predict from.
+    pub noise: Option<f64>,
     /// Lengths tried.
     pub trials: usize,
 }
@@ -82,7 +83,7 @@ pub fn cross_validated_length(
 ) -> Result<ChosenLength, QpError> {
     let folds = folds(fitter.complex(), weights.confidence);
     if folds.is_empty() {
-        return Ok(ChosenLength { length: shortest, noise: 0.0, trials: 0 });
+        return Ok(ChosenLength { length: shortest, noise: None, trials: 0 });
     }
     let mut trials: Vec<Trial> = Vec::new();
     let mut attempt = |log_length: f64, trials: &mut Vec<Trial>| -> Result<Trial, QpError> {
@@ -117,7 +118,7 @@ pub fn cross_validated_length(
             best = next;
         }
     }
-    Ok(ChosenLength { length: best.log_length.exp(), noise: best.score.sqrt(), trials: trials.len() })
+    Ok(ChosenLength { length: best.log_length.exp(), noise: Some(best.score.sqrt()), trials: trials.len() })
 }
 
 /// Mean square error of the prediction over all folds.
@@ -145,6 +146,7 @@ fn folds(complex: &SimplicialComplex, confidence: Option<&[f64]>) -> Vec<Fold> {
     // A fixed shuffle: places without a pattern, the same in every run.
     let mut sequence: Vec<VertexId> = (0..n).map(VertexId::from).collect();
     sequence.sort_by_key(|vertex| (mix(u64::from(vertex.0)), vertex.0));
+    let counted = (0..n).filter(|&i| weight(i) > 0.0).count();
     let mut folds: Vec<Fold> = Vec::new();
     let mut was_predicted = vec![false; n];
     let mut predictions = 0;
@@ -171,7 +173,8 @@ fn folds(complex: &SimplicialComplex, confidence: Option<&[f64]>) -> Vec<Fold> {
         }
         let confidence: Vec<f64> = (0..n).map(|i| if is_left_out[i] { 0.0 } else { weight(i) }).collect();
         // Without enough data left there is nothing to predict from.
-        if predicted.is_empty() || 3 * confidence.iter().filter(|&&weight| weight > 0.0).count() < n {
+        let left = confidence.iter().filter(|&&weight| weight > 0.0).count();
+        if predicted.is_empty() || 3 * left < counted {
             break;
         }
         predictions += predicted.len();

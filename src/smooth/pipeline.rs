@@ -3,7 +3,7 @@
 use crate::field::{VertexId, VertexOrder};
 use crate::mesh::SimplicialComplex;
 use crate::monotone::{
-    EnergyWeights, Fitter, Levels, MonotoneConstraints, MonotoneFit, MonotonicityGraph, Operators, Precision, Repaired,
+    Contradiction, EnergyWeights, Fitter, Levels, MonotoneConstraints, MonotoneFit, MonotonicityGraph, Operators, Precision, Repaired,
     Representative, Strategy, Strictness, ValueRule, energy_parts, harmonic, levels, repair, representative, separatrix,
 };
 use crate::morse::{Selection, WantedExtrema};
@@ -120,13 +120,28 @@ pub fn smooth(
         return Err(SmoothError::SmoothedAway { vertex, vertices, value: selected_on.values[vertex.index()] });
     }
     let Selected { wanted, unavoidable } = timing.measure("selection", || select_extrema(complex, &selected_on, &options.selection))?;
-    let rules = rules(&selected_on, &wanted, &unavoidable, options);
+    let mut rules = rules(&selected_on, &wanted, options);
 
     progress(SmoothProgress::Stage("pinned field"));
-    let pinned = timing.measure("pinned", || pinned_field(&mut fitter, data, &weights, &rules, options, &unconstrained))?;
+    let mut pin = |rules: &[ValueRule], timing: &mut Timing| {
+        timing.measure("pinned", || pinned_field(&mut fitter, data, &weights, rules, options, &unconstrained))
+    };
+    let mut pinned = pin(&rules, &mut timing)?;
 
     progress(SmoothProgress::Stage("representative function"));
-    let guide = timing.measure("representative", || guide(complex, &selected_on, &pinned, &wanted, &rules, options))?;
+    let make = Guidance { complex, selected_on: &selected_on, wanted: &wanted, options };
+    let mut built = timing.measure("representative", || make.asked(&pinned, &rules))?;
+    let is_unavoidable = |vertex: VertexId| unavoidable.binary_search(&vertex).is_ok();
+    if built.as_ref().is_err_and(|found| is_unavoidable(found.low) || is_unavoidable(found.high)) {
+        // Nobody asked for these extrema: on a plateau their values would contradict their neighbours'.
+        unavoidable.iter().for_each(|extremum| rules[extremum.index()] = ValueRule::Free);
+        pinned = pin(&rules, &mut timing)?;
+        built = timing.measure("representative", || make.asked(&pinned, &rules))?;
+    }
+    let guide = match built {
+        Ok(guide) => guide,
+        Err(found) => timing.measure("representative", || make.instead(found, &rules))?,
+    };
 
     progress(SmoothProgress::Stage("quadratic problem"));
     let rounds = Rounds { data, weights: weights.clone(), wanted: &wanted, rules: &rules, options };
@@ -202,7 +217,7 @@ fn resolve_length(
     let report = |absolute: f64, noise: Option<f64>| LengthReport {
         absolute,
         of_diagonal: absolute / diagonal,
-        automatic: noise.is_some(),
+        automatic: false,
         noise,
     };
     let given = |absolute: f64| check_power(absolute, options.order).map(|()| report(absolute, None));
@@ -222,7 +237,7 @@ fn resolve_length(
             check_power(longest, options.order)?;
             let in_units: Vec<f64> = data.iter().map(|value| value / unit).collect();
             let chosen = cross_validated_length(fitter, &in_units, &weights, (shortest, longest))?;
-            report(chosen.length, Some(chosen.noise * unit))
+            LengthReport { automatic: true, ..report(chosen.length, chosen.noise.map(|noise| noise * unit)) }
         }
     })
 }
@@ -235,19 +250,10 @@ fn mean_edge(complex: &SimplicialComplex) -> f64 {
     complex.edges().iter().map(length).sum::<f64>() / complex.edges().len().max(1) as f64
 }
 
-fn rules(
-    field: &MeasuredField,
-    wanted: &WantedExtrema,
-    unavoidable: &[VertexId],
-    options: &SmoothOptions<'_>,
-) -> Vec<ValueRule> {
+fn rules(field: &MeasuredField, wanted: &WantedExtrema, options: &SmoothOptions<'_>) -> Vec<ValueRule> {
     let (low, high) = field.range();
     let mut rules = vec![ValueRule::Free; field.values.len()];
     for &extremum in wanted.minima.iter().chain(&wanted.maxima) {
-        // Nobody asked for these; on a plateau their values would even contradict their neighbours'.
-        if unavoidable.binary_search(&extremum).is_ok() {
-            continue;
-        }
         let value = options.precision.round(field.values[extremum.index()]);
         rules[extremum.index()] = match options.values {
             ExtremumValues::Keep => ValueRule::Exactly(value),
@@ -285,38 +291,52 @@ fn pinned_field(
     Ok(fitter.minimiser(data, weights, &pins)?)
 }
 
-/// The representative function asked for; if its order contradicts the wanted values, the flood of the field on which they
-/// were measured, which cannot.
-fn guide(
-    complex: &SimplicialComplex,
-    selected_on: &MeasuredField,
-    pinned: &[f64],
-    wanted: &WantedExtrema,
-    rules: &[ValueRule],
-    options: &SmoothOptions<'_>,
-) -> Result<Guide, SmoothError> {
-    let flooded = || representative(complex, &selected_on.order, wanted);
-    let asked = match options.strategy {
-        Strategy::SmoothThenSimplify => representative(complex, &VertexOrder::of_values(pinned)?, wanted)?,
-        Strategy::Flood => flooded()?,
-        Strategy::Separatrix => separatrix(complex, &selected_on.values, &selected_on.order, wanted)?,
-        Strategy::Harmonic => harmonic(complex, wanted)?,
-    };
-    let build = |function: Representative, used: Strategy, why: Option<String>| {
-        let graph = MonotonicityGraph::new(complex, &function.order, wanted, options.edges);
-        let report = RepresentativeReport { asked: options.strategy, used, why, passes: function.passes };
-        levels(&graph, rules, level_range(selected_on, rules)).map(|levels| Guide { graph, levels, report })
-    };
-    match build(asked, options.strategy, None) {
-        Ok(guide) => Ok(guide),
-        Err(found) if options.strategy == Strategy::Flood => Err(found.into()),
-        Err(found) => {
-            let why = format!(
-                "in its order vertex {} (value {:?}) lies below vertex {} (value {:?})",
-                found.low, found.low_value, found.high, found.high_value
-            );
-            Ok(build(flooded()?, Strategy::Flood, Some(why))?)
+/// From representative functions to guides.
+struct Guidance<'a> {
+    complex: &'a SimplicialComplex,
+    selected_on: &'a MeasuredField,
+    wanted: &'a WantedExtrema,
+    options: &'a SmoothOptions<'a>,
+}
+
+impl Guidance<'_> {
+    /// The representative function asked for, or the two wanted values that its order contradicts.
+    fn asked(&self, pinned: &[f64], rules: &[ValueRule]) -> Result<Result<Guide, Contradiction>, SmoothError> {
+        let (complex, field, wanted) = (self.complex, self.selected_on, self.wanted);
+        let function = match self.options.strategy {
+            Strategy::SmoothThenSimplify => representative(complex, &VertexOrder::of_values(pinned)?, wanted)?,
+            Strategy::Flood => representative(complex, &field.order, wanted)?,
+            Strategy::Separatrix => separatrix(complex, &field.values, &field.order, wanted)?,
+            Strategy::Harmonic => harmonic(complex, wanted)?,
+        };
+        let why = function.replaced.then(|| "the flood of its order did not settle".to_owned());
+        let used = if function.replaced { Strategy::Harmonic } else { self.options.strategy };
+        Ok(self.guide(function, rules, used, why))
+    }
+
+    /// The flood of the field on which the extrema were selected: it cannot contradict the values of that field.
+    fn instead(&self, found: Contradiction, rules: &[ValueRule]) -> Result<Guide, SmoothError> {
+        if self.options.strategy == Strategy::Flood {
+            return Err(found.into());
         }
+        let why = format!(
+            "in its order vertex {} (value {:?}) lies below vertex {} (value {:?})",
+            found.low, found.low_value, found.high, found.high_value
+        );
+        let function = representative(self.complex, &self.selected_on.order, self.wanted)?;
+        Ok(self.guide(function, rules, Strategy::Flood, Some(why))?)
+    }
+
+    fn guide(
+        &self,
+        function: Representative,
+        rules: &[ValueRule],
+        used: Strategy,
+        why: Option<String>,
+    ) -> Result<Guide, Contradiction> {
+        let graph = MonotonicityGraph::new(self.complex, &function.order, self.wanted, self.options.edges);
+        let report = RepresentativeReport { asked: self.options.strategy, used, why, passes: function.passes };
+        levels(&graph, rules, level_range(self.selected_on, rules)).map(|levels| Guide { graph, levels, report })
     }
 }
 
@@ -368,10 +388,15 @@ impl Rounds<'_> {
             let Some(guide) = self.refined_guide(fitter.complex(), &solved)? else { break };
             let last = &solved.fit.values;
             let fit = self.solve(fitter, &guide, last, Some(last), progress)?;
+            let gain = solved.fit.energy - fit.energy;
             solved.energies.push(fit.energy);
             solved.iterations += fit.iterations;
             solved.factorizations += fit.factorizations;
             (solved.fit, solved.guide) = (fit, guide);
+            // What the solver cannot tell apart is no progress.
+            if gain <= self.options.relative_gap * solved.fit.energy {
+                break;
+            }
         }
         Ok(solved)
     }

@@ -37,7 +37,8 @@ pub struct LengthReport {
     pub of_diagonal: f64,
     /// Whether it was chosen by cross-validation.
     pub automatic: bool,
-    /// Standard deviation of the noise as cross-validation estimates it, in the units of the values.
+    /// Root mean square of what cross-validation could not predict, in the units of the values: the noise, and on top the error of
+    /// the prediction. Absent where the length was given, or too few values were left to predict from.
     pub noise: Option<f64>,
 }
 
@@ -66,7 +67,7 @@ pub struct EnergyReport {
     /// The least energy of any field.
     pub unconstrained: f64,
     /// The least energy of any field with the wanted values: no field with the wanted extrema can be below it, so it
-    /// bounds the ideal, non-convex problem (Jacobson 2012, eq. 6–11).
+    /// bounds the ideal, non-convex problem (Jacobson 2012, eq. 6–11). It is the energy of a minimiser computed to rounding.
     pub bound: f64,
     /// `result / bound - 1`.
     pub above_bound: f64,

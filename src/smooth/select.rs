@@ -53,7 +53,7 @@ impl MeasuredField {
 pub struct Selected {
     /// The wanted extrema, by rising vertex.
     pub wanted: WantedExtrema,
-    /// Of these, kept only because no field is without them, by rising vertex. Nobody asked for their values.
+    /// Of these, kept only because no field is without them, by rising vertex. Their values are kept where they can be.
     pub unavoidable: Vec<VertexId>,
 }
 

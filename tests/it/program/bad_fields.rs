@@ -103,7 +103,7 @@ fn values_without_room_between_them() {
     let single: Vec<f32> = steps.iter().map(|&value| close(value) as f32).collect();
     let array = DataArray::new("h", 1, ArrayData::F32(single));
     let bench = Bench::with(&image([40, 30, 1], vec![array]));
-    refuses(&bench, "in.vti", &TWO, &["in.vti: no strictly monotone field fits into 32-bit numbers at vertex", "store 64-bit values"]);
+    refuses(&bench, "in.vti", &TWO, &["in.vti: no strictly monotone field fits into 32-bit numbers at vertex", "convert the array to 64 bits"]);
     // The same values in 64 bits have room.
     let wide: Vec<f64> = steps.iter().map(|&value| close(value)).collect();
     Bench::with(&image([40, 30, 1], vec![doubles("h", &wide)])).smooths("in.vti", &TWO);

@@ -180,3 +180,17 @@ fn every_refusal_has_its_place() {
     let options = SmoothOptions { select_on: SelectOn::Smooth, ..SmoothOptions::new(Selection::Count(1)) };
     assert!(matches!(refusal(&data, &options), SmoothError::Morse(_)));
 }
+
+#[test]
+fn the_ends_of_a_line_keep_their_values() {
+    use morsmooth::mesh::{Domain, Grid, Mask};
+    let domain = Domain::from_grid(&Grid::image([60, 1, 1], [0.0; 3], [0.1, 1.0, 1.0]), &Mask::none()).unwrap();
+    let data: Vec<f64> = (0..60).map(|i| (0.4 * f64::from(i)).sin() + 0.05 * f64::from(i * 7 % 5)).collect();
+    let options = morsmooth::smooth::SmoothOptions::new(morsmooth::morse::Selection::Threshold(
+        morsmooth::morse::Threshold::Fraction(0.9),
+    ));
+    let result = morsmooth::smooth::smooth(&domain.complex, &data, &options, &mut |_| {}).unwrap();
+    // Far below the threshold, but no field is without them: they keep place, kind and value like all others.
+    assert!(result.report.unavoidable > 0);
+    assert_eq!((result.values[0], result.values[59]), (data[0], data[59]));
+}
