@@ -18,6 +18,9 @@ const BLOCKED: f64 = 0.1;
 /// serve the stationarity, and products of slack and dual near zero would only spoil the matrix.
 const CLOSED: f64 = 0.03;
 
+/// A solve that stalls with a larger relative gap than this, from a start that was given, is begun again without that start.
+const RESTART_GAP: f64 = 1e-6;
+
 /// A direction, or a point, in x, slack and dual.
 #[derive(Clone)]
 pub(super) struct Triple {
@@ -54,6 +57,8 @@ pub(super) struct Interior<'a> {
     pub problem: &'a Problem,
     pub settings: &'a Settings,
     pub rows: Rows,
+    /// The given start fulfils every row: whatever the duals seem to say, there is no contradiction.
+    pub is_feasible: bool,
     pub point: Triple,
     /// `P x + q - Aᵀ z` on the free unknowns.
     pub stationarity: Vec<f64>,
@@ -74,7 +79,7 @@ impl Engine {
     ///
     /// # Arguments
     /// * `problem`: objective and rows inside the engine's pattern.
-    /// * `start`: a point with `A x + b > 0` in every row is taken as it is; of any other point, best the minimiser without
+    /// * `start`: a point with `A x + b` clearly positive in every row is taken as it is; of any other point, best the minimiser without
     ///   rows where the caller has it, x is taken and the slacks are lifted. `None` computes that minimiser, for one
     ///   factorisation more. Entries at fixed unknowns are ignored.
     /// * `settings`: tolerances and limits.
@@ -147,13 +152,17 @@ impl Engine {
             solves: 0,
             timings: Timings::default(),
             rows,
+            is_feasible: false,
             engine: self,
         };
         initial(&mut interior, start)?;
         let (status, iterations) = match interior.rows.contradiction.take() {
             Some(found) => (QpStatus::Infeasible(found), 0),
             None if m == 0 => interior.without_rows(progress),
-            None => interior.iterate(progress)?,
+            None => match interior.iterate(0, progress)? {
+                (QpStatus::Stalled, iterations) if !matches!(start, Start::Cold) => interior.restart(iterations, progress)?,
+                ended => ended,
+            },
         };
         let mut solution = interior.finish(status, iterations);
         solution.factorizations = self.factorizations() - before;
@@ -202,12 +211,29 @@ impl Interior<'_> {
         (if measure.is_optimal(self.settings) { QpStatus::Solved } else { QpStatus::Stalled }, 0)
     }
 
-    fn iterate(&mut self, progress: &mut dyn FnMut(Progress)) -> Result<(QpStatus, usize), QpError> {
+    /// Begins once more, cold, after a stall far from the optimum; ends at the better of the two points.
+    fn restart(&mut self, iterations: usize, progress: &mut dyn FnMut(Progress)) -> Result<(QpStatus, usize), QpError> {
+        let before = Measure::of(self);
+        if before.kkt.duality_gap <= RESTART_GAP || iterations >= self.settings.max_iterations {
+            return Ok((QpStatus::Stalled, iterations));
+        }
+        let stalled = self.point.clone();
+        initial(self, Start::Cold)?;
+        let (status, iterations) = self.iterate(iterations, progress)?;
+        let is_open = matches!(status, QpStatus::Stalled | QpStatus::IterationLimit);
+        if is_open && Measure::of(self).merit(self.settings) >= before.merit(self.settings) {
+            self.point.copy_from(&stalled);
+        }
+        Ok((status, iterations))
+    }
+
+    /// Iterates from the present point, counting from `first`.
+    fn iterate(&mut self, first: usize, progress: &mut dyn FnMut(Progress)) -> Result<(QpStatus, usize), QpError> {
         let mut best = self.point.clone();
         let mut best_merit = f64::INFINITY;
         let mut without_progress = 0;
         let mut length = 0.0;
-        for iteration in 0..=self.settings.max_iterations {
+        for iteration in first..=self.settings.max_iterations {
             let measure = Measure::of(self);
             progress(measure.progress(iteration, length));
             let merit = measure.merit(self.settings);
@@ -221,7 +247,7 @@ impl Interior<'_> {
             if measure.is_optimal(self.settings) {
                 return Ok((QpStatus::Solved, iteration));
             }
-            if let Some(found) = certificate(self) {
+            if !self.is_feasible && let Some(found) = certificate(self) {
                 return Ok((QpStatus::Infeasible(found), iteration));
             }
             if iteration == self.settings.max_iterations {

@@ -9,6 +9,10 @@ use super::{Problem, QpError};
 /// Smallest slack of a start without a feasible point, relative to the mean violation or slack.
 const COLD_FLOOR: f64 = 3e-2;
 
+/// Smallest slack, relative to the mean slack, of a start that is taken as it is: with less room in a row, the first step would
+/// end there and the solve with it.
+const INSIDE: f64 = 1e-9;
+
 /// Smallest slack and dual of a warm start, relative to the mean slack and to the duals of a cold start.
 const WARM_FLOOR: f64 = 1e-4;
 
@@ -70,9 +74,11 @@ pub(super) fn initial(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(
         // Every row is exactly tight: any scale of the problem will do.
         _ => interior.rows.offset_size.max(largest(&interior.point.x)).max(f64::MIN_POSITIVE),
     };
-    let inside = matches!(start, Start::Point(_)) && interior.point.s.iter().all(|&slack| slack > 0.0);
+    let least = interior.point.s.iter().copied().fold(f64::INFINITY, f64::min);
+    interior.is_feasible |= matches!(start, Start::Point(_)) && least >= 0.0;
+    let inside = least > INSIDE * unit;
     let floor = match start {
-        // A start inside the cone is taken as it is.
+        // A start well inside the cone is taken as it is.
         Start::Point(_) if inside => 0.0,
         Start::Warm { .. } => WARM_FLOOR * unit,
         _ => COLD_FLOOR * unit,

@@ -1,8 +1,9 @@
 //! How solves end when they do not end well.
 
-use morsmooth::qp::{Certificate, Engine, Problem, QpStatus, Settings, solve};
+use morsmooth::linalg::CsrMatrix;
+use morsmooth::qp::{Certificate, Constraints, Engine, Problem, QpStatus, Settings, solve};
 
-use super::problems::{Case, instance};
+use super::problems::{Case, Instance, instance};
 use super::{distance, order};
 
 /// Recomputes what a certificate claims.
@@ -147,4 +148,41 @@ fn what_no_double_can_reach_is_not_called_solved() {
     let solution = engine.solve(&made.problem, Some(&made.start), &settings, &mut |_| {}).unwrap();
     assert!(matches!(solution.status, QpStatus::Stalled | QpStatus::IterationLimit), "{:?}", solution.status);
     assert!(solution.kkt.duality_gap < 1e-8 && solution.iterations < 100);
+}
+
+/// Appends `width` of room around the start at one free unknown: the start stays strictly feasible, by half of it.
+fn squeezed(made: &Instance, unknown: usize, width: f64) -> Problem {
+    let mut problem = made.problem.clone();
+    let rows = &problem.constraints.matrix;
+    let mut triplets = Vec::new();
+    for row in 0..rows.rows() {
+        let (columns, values) = rows.row(row);
+        triplets.extend(columns.iter().zip(values).map(|(&column, &value)| (row as u32, column, value)));
+    }
+    let mut offset = problem.constraints.offset.clone();
+    for sign in [1.0, -1.0] {
+        triplets.push((offset.len() as u32, unknown as u32, sign));
+        offset.push(0.5 * width - sign * made.start[unknown]);
+    }
+    let matrix = CsrMatrix::from_triplets(offset.len(), problem.fixed.len(), &triplets).unwrap();
+    problem.constraints = Constraints::nonnegative(matrix, offset);
+    problem
+}
+
+#[test]
+fn a_start_with_hardly_any_room_in_a_row_does_not_stall() {
+    for k in [1, 2, 3] {
+        let made = instance(20, k, Case::Data, 1);
+        let unknown = (0..made.start.len()).filter(|&i| made.problem.fixed[i].is_none()).nth(100).unwrap();
+        for width in [1e-3, 1e-6, 1e-9, 1e-11, 1e-12, 1e-13, 1e-14] {
+            let problem = squeezed(&made, unknown, width);
+            let mut engine = Engine::new(&problem.objective, Some(&problem.constraints.matrix), None).unwrap();
+            let mut seen = Vec::new();
+            let solution =
+                engine.solve(&problem, Some(&made.start), &Settings::default(), &mut |p| seen.push(p.iteration)).unwrap();
+            assert_eq!(solution.status, QpStatus::Solved, "k = {k}, width {width:e}: {:?}", solution.kkt);
+            assert!((solution.x[unknown] - made.start[unknown]).abs() < 0.5 * width + 1e-6);
+            assert!(seen.windows(2).all(|pair| pair[0] < pair[1]) && solution.iterations < 60, "{seen:?}");
+        }
+    }
 }
