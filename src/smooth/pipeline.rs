@@ -314,8 +314,10 @@ impl Guidance<'_> {
         Ok(self.guide(function, rules, used, why))
     }
 
-    /// The flood of the field on which the extrema were selected: it cannot contradict the values of that field.
+    /// Another function for wanted values that contradict the one asked for: the separatrices of the field on which they were
+    /// measured, and if those contradict them as well, its flood, which cannot.
     fn instead(&self, found: Contradiction, rules: &[ValueRule]) -> Result<Guide, SmoothError> {
+        let (complex, field, wanted) = (self.complex, self.selected_on, self.wanted);
         if self.options.strategy == Strategy::Flood {
             return Err(found.into());
         }
@@ -323,7 +325,14 @@ impl Guidance<'_> {
             "in its order vertex {} (value {:?}) lies below vertex {} (value {:?})",
             found.low, found.low_value, found.high, found.high_value
         );
-        let function = representative(self.complex, &self.selected_on.order, self.wanted)?;
+        if self.options.strategy != Strategy::Separatrix {
+            // On measured terrain half as far from the optimum as the flood.
+            let function = separatrix(complex, &field.values, &field.order, wanted)?;
+            if let Ok(guide) = self.guide(function, rules, Strategy::Separatrix, Some(why.clone())) {
+                return Ok(guide);
+            }
+        }
+        let function = representative(complex, &field.order, wanted)?;
         Ok(self.guide(function, rules, Strategy::Flood, Some(why))?)
     }
 
