@@ -194,3 +194,29 @@ fn the_ends_of_a_line_keep_their_values() {
     assert!(result.report.unavoidable > 0);
     assert_eq!((result.values[0], result.values[59]), (data[0], data[59]));
 }
+
+#[test]
+fn an_island_with_hardly_any_room_does_not_stall_the_solver() {
+    use morsmooth::mesh::{Domain, Grid, Mask};
+    use morsmooth::qp::QpStatus;
+    // 25 x 20 points of noise, a gap, and 3 x 3 points whose values differ by next to nothing: the start has slacks of 1e-13.
+    let keep = (0..29 * 20).map(|point| point % 29 < 25 || (point % 29 > 25 && point / 29 < 3)).collect();
+    let mask = Mask { keep_points: Some(keep), keep_cells: None };
+    let domain = Domain::from_grid(&Grid::image([29, 20, 1], [0.0; 3], [1.0; 3]), &mask).unwrap();
+    let data: Vec<f64> = domain
+        .point_of_vertex()
+        .iter()
+        .map(|&point| match point % 29 < 25 {
+            true => (f64::from(point) * 12.9898).sin() * 43_758.547 % 1.0,
+            false => 0.25 + 1e-12 * f64::from(point * 7 % 11),
+        })
+        .collect();
+    let threshold = morsmooth::morse::Threshold::Fraction(0.1);
+    let options = morsmooth::smooth::SmoothOptions {
+        length: morsmooth::smooth::Length::OfDiagonal(0.03),
+        ..morsmooth::smooth::SmoothOptions::new(morsmooth::morse::Selection::Threshold(threshold))
+    };
+    let result = morsmooth::smooth::smooth(&domain.complex, &data, &options, &mut |_| {}).unwrap();
+    assert_eq!(result.report.solver.status, QpStatus::Solved);
+    assert!(result.report.energy.above_bound < 0.2, "{}", result.report.energy.above_bound);
+}
