@@ -218,15 +218,20 @@ pub struct CheckArgs {
     #[command(flatten)]
     pub field: FieldArgs,
 
-    /// File with the points that must be minima (point numbers), or a persistence diagram.
+    /// File with the points that must be the minima (point numbers), or a persistence diagram, of which the minima count.
+    ///
+    /// Maxima are judged only if --maxima is given too.
     #[arg(long, value_name = "FILE")]
     pub minima: Option<PathBuf>,
 
-    /// File with the points that must be maxima (point numbers), or a persistence diagram.
+    /// File with the points that must be the maxima (point numbers), or a persistence diagram, of which the maxima count.
+    ///
+    /// Minima are judged only if --minima is given too.
     #[arg(long, value_name = "FILE")]
     pub maxima: Option<PathBuf>,
 
-    /// Report written by `morsmooth smooth --report`: its wanted extrema must be exactly those of the field.
+    /// Report written by `morsmooth smooth --report`: its wanted extrema must be exactly those of the field, with the
+    /// values that it kept. Its mask is used unless --mask names another.
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["minima", "maxima"])]
     pub against: Option<PathBuf>,
 

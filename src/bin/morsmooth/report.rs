@@ -4,6 +4,7 @@ use std::path::Path;
 
 use morsmooth::audit::{AuditReport, Defects, ExtremumType};
 use morsmooth::field::VertexId;
+use morsmooth::monotone::ValueRule;
 use morsmooth::morse::{ExtremumPair, reported_persistences};
 use morsmooth::smooth::{ExtremumCount, MeasuredField, SelectOn, Smoothed};
 use serde_json::{Value, json};
@@ -44,16 +45,22 @@ pub fn pairs(pairs: &[ExtremumPair], values: &[f64]) -> Vec<(f64, Option<f64>)> 
     pairs.iter().map(|pair| (values[pair.extremum.index()], pair.saddle.map(|saddle| values[saddle.index()]))).collect()
 }
 
-/// Extrema as a user finds them in the file: point number, position, value.
-pub fn extrema(input: &FieldInput, vertices: &[VertexId], values: &[f64]) -> Vec<Value> {
+/// Wanted extrema as a user finds them in the file: point number, position, value, and whether that value had to be kept.
+fn extrema(input: &FieldInput, vertices: &[VertexId], result: &Smoothed) -> Vec<Value> {
     vertices
         .iter()
         .map(|&vertex| {
-            json!({
+            let rule = result.rules[vertex.index()];
+            let mut entry = json!({
                 "point": input.domain.point_of_vertex()[vertex.index()],
                 "position": input.domain.complex.point(vertex),
-                "value": values[vertex.index()],
-            })
+                "value": result.values[vertex.index()],
+                "value_kept": matches!(rule, ValueRule::Exactly(_)),
+            });
+            if let ValueRule::Within(low, high) = rule {
+                entry["within"] = json!([low, high]);
+            }
+            entry
         })
         .collect()
 }
@@ -122,14 +129,15 @@ impl SmoothJob<'_> {
         if let Value::Object(entries) = &mut report {
             entries.insert("output".into(), json!(self.args.output.display().to_string()));
             entries.insert("output_array".into(), json!(self.output_array));
+            entries.insert("raw".into(), json!(self.args.raw));
             entries.insert("written".into(), json!(self.written));
             entries.insert("audit".into(), audit_json(self.input, self.audit));
             entries.insert("smooth".into(), json!(self.result.report));
             entries.insert(
                 "wanted".into(),
                 json!({
-                    "minima": extrema(self.input, &self.result.wanted.minima, &self.result.values),
-                    "maxima": extrema(self.input, &self.result.wanted.maxima, &self.result.values),
+                    "minima": extrema(self.input, &self.result.wanted.minima, self.result),
+                    "maxima": extrema(self.input, &self.result.wanted.maxima, self.result),
                 }),
             );
             entries.insert("minima_pairs".into(), json!(pairs(&field.minima, &field.values)));

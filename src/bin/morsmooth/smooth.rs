@@ -12,7 +12,7 @@ use morsmooth::smooth::{ExtremumValues, Length, SelectOn, SmoothOptions, Smoothe
 use crate::Outcome;
 use crate::args::{EdgesKind, SelectKind, SelectionArgs, SmoothArgs, StrategyKind, ValuesKind};
 use crate::failure::Failure;
-use crate::input::{FieldInput, read_points, weights_array};
+use crate::input::{FieldInput, PointKind, read_points, weights_array};
 use crate::output::{check_directory, check_report, check_target};
 use crate::report::{SmoothJob, write_report};
 use crate::talk::Talk;
@@ -149,7 +149,7 @@ fn selection(args: &SelectionArgs, input: &FieldInput) -> Result<Selection, Fail
         return Ok(Selection::Count(count));
     }
     if let Some(path) = &args.keep {
-        return Ok(Selection::Set(read_points(path, input)?));
+        return Ok(Selection::Set(read_points(path, PointKind::Extrema, input)?));
     }
     Err(Failure::usage("found no wanted extrema; expected one of --persistence, --persistence-abs, --extrema, --keep")
         .hint("'morsmooth extrema FILE' shows what each threshold would leave; --persistence 10% is a good start"))
