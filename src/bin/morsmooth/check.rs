@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use morsmooth::audit::{AuditReport, Extrema, Plateaus, ValueRule, Wanted, audit, extrema, strict_extrema};
 use morsmooth::field::VertexId;
+use morsmooth::smooth::ExtremumCount;
 use serde_json::{Value, json};
 
 use crate::Outcome;
@@ -60,9 +61,8 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
         let _ = writeln!(out, "{} on {} vertices", input.name, complex.vertex_count());
         let _ = writeln!(
             out,
-            "{} minima, {} maxima by (value, point); {} and {} under a plain <; {} points on plateaus",
-            found.minima.len(),
-            found.maxima.len(),
+            "{} by (value, point); {} and {} under a plain <; {} points on plateaus",
+            ExtremumCount { minima: found.minima.len(), maxima: found.maxima.len() },
             plain.minima.len(),
             plain.maxima.len(),
             plain.plateaus.len()
