@@ -6,6 +6,7 @@ use morsmooth::audit::{AuditReport, Defects, ExtremumType};
 use morsmooth::field::VertexId;
 use morsmooth::monotone::{Precision, ValueRule};
 use morsmooth::morse::{ExtremumPair, reported_persistences};
+use morsmooth::plot::write_atomically;
 use morsmooth::qp::QpStatus;
 use morsmooth::smooth::{ExtremumCount, MeasuredField, SelectOn, Smoothed};
 use serde_json::{Value, json};
@@ -14,14 +15,13 @@ use crate::args::SmoothArgs;
 use crate::failure::Failure;
 use crate::input::FieldInput;
 use crate::number::short;
-use crate::output::write_whole;
 
 /// Writes a report.
 pub fn write_report(path: &Path, report: &Value) -> Result<(), Failure> {
     let mut text = serde_json::to_string_pretty(report)
         .map_err(|error| Failure::file(path, format!("the report cannot be put into JSON: {error}")))?;
     text.push('\n');
-    write_whole(path, text.as_bytes())
+    write_atomically(path, text.as_bytes()).map_err(|error| Failure::usage(error.to_string()))
 }
 
 /// The facts that every report begins with.
