@@ -6,6 +6,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 const SIZE: (u32, u32) = (900, 640);
+/// Room to the right of the diagram.
+const LEGEND_WIDTH: u32 = 215;
 const BLUE: RGBColor = RGBColor(24, 84, 214);
 const RED: RGBColor = RGBColor(214, 30, 38);
 const INK: RGBColor = RGBColor(38, 38, 42);
@@ -33,7 +35,8 @@ type Sheet<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 ///
 /// # Arguments
 /// * `minima`, `maxima`: persistences, in units of the values; those without a saddle as the whole range.
-/// * `threshold`: the chosen threshold, marked by a line; what exceeds it strictly is kept. Not drawn where 0.
+/// * `threshold`: the chosen threshold, marked by a line; absent if extrema were chosen otherwise. Not drawn where 0.
+/// * `kept`: how many minima and maxima are kept, for the legend.
 /// * `label`: what the values are, such as `vorticity_magnitude [1/s]`.
 ///
 /// # Returns
@@ -47,21 +50,23 @@ type Sheet<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub fn persistence_curve(
     minima: &[f64],
     maxima: &[f64],
-    threshold: f64,
+    threshold: Option<f64>,
+    kept: [usize; 2],
     label: &str,
 ) -> Result<String, PlotError> {
     for &found in minima.iter().chain(maxima) {
         check(found, "a persistence", found >= 0.0)?;
     }
-    check(threshold, "the threshold", threshold >= 0.0)?;
-    draw(|sheet| draw_curves(sheet, minima, maxima, threshold, label))
+    check(threshold.unwrap_or(0.0), "the threshold", threshold.is_none_or(|threshold| threshold >= 0.0))?;
+    draw(|sheet| draw_curves(sheet, minima, maxima, threshold.unwrap_or(0.0), kept, label))
 }
 
 /// Birth and death of every extremum, minima above and maxima below the diagonal, with the band of what is removed.
 ///
 /// # Arguments
 /// * `minima`, `maxima`: in units of the values; a maximum is born above the saddle that ends it.
-/// * `threshold`: half the height of the grey band about the diagonal: what lies in it is removed.
+/// * `threshold`: half the height of the grey band about the diagonal: what lies in it is removed. Absent if extrema were
+///   chosen otherwise: no band.
 /// * `label`: what the values are.
 ///
 /// # Returns
@@ -75,15 +80,15 @@ pub fn persistence_curve(
 pub fn persistence_diagram(
     minima: &[DiagramPoint],
     maxima: &[DiagramPoint],
-    threshold: f64,
+    threshold: Option<f64>,
     label: &str,
 ) -> Result<String, PlotError> {
     for point in minima.iter().chain(maxima) {
         check(point.birth, "a birth", true)?;
         check(point.death.unwrap_or(point.birth), "a death", true)?;
     }
-    check(threshold, "the threshold", threshold >= 0.0)?;
-    draw(|sheet| draw_diagram(sheet, minima, maxima, threshold, label))
+    check(threshold.unwrap_or(0.0), "the threshold", threshold.is_none_or(|threshold| threshold >= 0.0))?;
+    draw(|sheet| draw_diagram(sheet, minima, maxima, threshold.unwrap_or(0.0), label))
 }
 
 fn check(found: f64, what: &'static str, in_range: bool) -> Result<(), PlotError> {
@@ -132,6 +137,7 @@ fn draw_curves(
     minima: &[f64],
     maxima: &[f64],
     threshold: f64,
+    kept: [usize; 2],
     label: &str,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let largest = minima.iter().chain(maxima).fold(threshold, |a, &b| a.max(b));
@@ -159,9 +165,8 @@ fn draw_curves(
         .x_label_formatter(&|value| number(*value))
         .y_label_formatter(&|value| number(*value))
         .draw()?;
-    for (persistences, colour, name) in [(minima, BLUE, "minima"), (maxima, RED, "maxima")] {
-        let kept = persistences.iter().filter(|&&p| p > threshold).count();
-        let text = format!("{name}: {kept} of {} kept", persistences.len());
+    for (persistences, colour, name) in [(minima, BLUE, format!("minima: {}", kept[0])), (maxima, RED, format!("maxima: {}", kept[1]))] {
+        let text = format!("{name} of {} kept", persistences.len());
         let series = chart.draw_series(LineSeries::new(staircase(persistences, least, most), colour.stroke_width(2)))?;
         series.label(text).legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], colour.stroke_width(2)));
     }
@@ -194,6 +199,7 @@ fn draw_diagram(
     let (least, most) = (low - room, high + room);
     let mut chart = ChartBuilder::on(sheet)
         .margin(18)
+        .margin_right(LEGEND_WIDTH)
         .caption("Persistence diagram", font(24))
         .x_label_area_size(52)
         .y_label_area_size(84)
@@ -231,7 +237,14 @@ fn draw_diagram(
             chart.draw_series(unpaired.map(|place| TriangleMarker::new(place, size + 3, style)))?;
         }
     }
-    legend(&mut chart, SeriesLabelPosition::UpperRight)
+    if points().any(|point| point.death.is_none()) {
+        let none = std::iter::empty::<TriangleMarker<(f64, f64), i32>>();
+        let entry = chart.draw_series(none)?.label("triangle: never dies");
+        entry.legend(|(x, y)| TriangleMarker::new((x + 12, y), 6, INK.filled()));
+    }
+    // Beside the axes, where no data lies.
+    let (width, _) = chart.plotting_area().dim_in_pixel();
+    legend(&mut chart, SeriesLabelPosition::Coordinate(i32::try_from(width)? + 10, 0))
 }
 
 /// Zero instead of the rounding that an axis step leaves of it.

@@ -275,13 +275,13 @@ fn elements(svg: &str, name: &str) -> usize {
 fn the_persistence_curve_says_what_is_kept() {
     let minima = [0.1, 0.2, 0.2, 3.0, 10.0];
     let maxima = [0.01, 5.0];
-    let svg = persistence_curve(&minima, &maxima, 0.2, "p & <q> [Pa]").unwrap();
+    let svg = persistence_curve(&minima, &maxima, Some(0.2), [2, 1], "p & <q> [Pa]").unwrap();
     let texts = texts(&svg);
     for wanted in ["minima: 2 of 5 kept", "maxima: 1 of 2 kept", "threshold 0.2", "persistence: p & <q> [Pa]"] {
         assert!(texts.contains_key(wanted), "no {wanted:?} in {texts:?}");
     }
     let shuffled = [10.0, 0.2, 3.0, 0.1, 0.2];
-    assert_eq!(svg, persistence_curve(&shuffled, &maxima, 0.2, "p & <q> [Pa]").unwrap());
+    assert_eq!(svg, persistence_curve(&shuffled, &maxima, Some(0.2), [2, 1], "p & <q> [Pa]").unwrap());
 }
 
 #[test]
@@ -289,13 +289,13 @@ fn the_persistence_diagram_shows_every_point_once() {
     let point = |birth, death, kept| DiagramPoint { birth, death, kept };
     let minima = [point(0.0, None, true), point(1.0, Some(1.5), false), point(2.0, Some(8.0), true)];
     let maxima = [point(10.0, None, true), point(3.0, Some(2.5), false)];
-    let svg = persistence_diagram(&minima, &maxima, 1.0, "").unwrap();
+    let svg = persistence_diagram(&minima, &maxima, Some(1.0), "").unwrap();
     let texts = texts(&svg);
-    for wanted in ["minima kept: 2", "minima removed: 1", "maxima kept: 1", "maxima removed: 1"] {
+    for wanted in ["minima kept: 2", "minima removed: 1", "maxima kept: 1", "maxima removed: 1", "triangle: never dies"] {
         assert!(texts.contains_key(wanted), "no {wanted:?} in {texts:?}");
     }
     assert_eq!(elements(&svg, "circle"), 3 + 4, "three pairs, four entries of the legend");
-    assert_eq!(svg, persistence_diagram(&minima, &maxima, 1.0, "").unwrap());
+    assert_eq!(svg, persistence_diagram(&minima, &maxima, Some(1.0), "").unwrap());
 }
 
 #[test]
@@ -310,23 +310,23 @@ fn charts_of_odd_numbers_are_drawn_all_the_same() {
         (&[3.0], &[2.0], f64::MAX),
     ];
     for (minima, maxima, threshold) in cases {
-        texts(&persistence_curve(minima, maxima, threshold, "").unwrap());
+        texts(&persistence_curve(minima, maxima, Some(threshold), [0, 0], "").unwrap());
         let points = |values: &[f64]| -> Vec<DiagramPoint> {
             values.iter().map(|&birth| DiagramPoint { birth, death: None, kept: birth > threshold }).collect()
         };
-        texts(&persistence_diagram(&points(minima), &points(maxima), threshold, "").unwrap());
+        texts(&persistence_diagram(&points(minima), &points(maxima), Some(threshold), "").unwrap());
     }
 }
 
 #[test]
 fn charts_refuse_numbers_that_are_none() {
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(persistence_curve(&[bad], &[], 1.0, ""), Err(PlotError::Number { .. })));
-        assert!(matches!(persistence_curve(&[], &[], bad, ""), Err(PlotError::Number { .. })));
-        assert!(matches!(persistence_diagram(&[], &[], bad, ""), Err(PlotError::Number { .. })));
+        assert!(matches!(persistence_curve(&[bad], &[], None, [0, 0], ""), Err(PlotError::Number { .. })));
+        assert!(matches!(persistence_curve(&[], &[], Some(bad), [0, 0], ""), Err(PlotError::Number { .. })));
+        assert!(matches!(persistence_diagram(&[], &[], Some(bad), ""), Err(PlotError::Number { .. })));
     }
     let lost = DiagramPoint { birth: 0.0, death: Some(f64::NAN), kept: false };
-    let error = persistence_diagram(&[lost], &[], 1.0, "").unwrap_err();
+    let error = persistence_diagram(&[lost], &[], None, "").unwrap_err();
     assert!(error.to_string().starts_with("a death is NaN; expected a finite number"), "{error}");
 }
 

@@ -21,6 +21,10 @@ pub enum Command {
     /// Count the extrema of a field, list their persistence, and show what thresholds would leave.
     Extrema(ExtremaArgs),
     /// Write a smooth field with exactly the wanted minima and maxima.
+    ///
+    /// Exit codes: 0 if the file written was read back and has exactly the wanted extrema; 1 if it has not (then nothing
+    /// is written without --keep-unaudited); 2 for a wrong command line or input. They say nothing of optimality: a solver
+    /// that stops before the asked gap gives a line 'warning:' on standard error, even with --quiet.
     Smooth(Box<SmoothArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
@@ -100,7 +104,7 @@ pub struct ExtremaArgs {
     #[command(flatten)]
     pub field: FieldArgs,
 
-    /// Draw the persistence curve and diagram into this directory (SVG).
+    /// Draw the field (field.png) and the persistence curve and diagram (two SVG charts) into this directory.
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
 
@@ -122,6 +126,8 @@ pub struct SelectionArgs {
     pub persistence_abs: Option<f64>,
 
     /// Keep this many extrema, minima and maxima together, the most persistent ones.
+    ///
+    /// At least this many: extrema that the domain itself demands, such as the ends of a line, are kept besides.
     #[arg(long, value_name = "N")]
     pub extrema: Option<usize>,
 
@@ -218,15 +224,20 @@ pub struct CheckArgs {
     #[command(flatten)]
     pub field: FieldArgs,
 
-    /// File with the points that must be minima (point numbers), or a persistence diagram.
+    /// File with the points that must be the minima (point numbers), or a persistence diagram, of which the minima count.
+    ///
+    /// Maxima are judged only if --maxima is given too.
     #[arg(long, value_name = "FILE")]
     pub minima: Option<PathBuf>,
 
-    /// File with the points that must be maxima (point numbers), or a persistence diagram.
+    /// File with the points that must be the maxima (point numbers), or a persistence diagram, of which the maxima count.
+    ///
+    /// Minima are judged only if --minima is given too.
     #[arg(long, value_name = "FILE")]
     pub maxima: Option<PathBuf>,
 
-    /// Report written by `morsmooth smooth --report`: its wanted extrema must be exactly those of the field.
+    /// Report written by `morsmooth smooth --report`: its wanted extrema must be exactly those of the field, with the
+    /// values that it kept. Its mask is used unless --mask names another.
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["minima", "maxima"])]
     pub against: Option<PathBuf>,
 
@@ -249,7 +260,7 @@ pub enum SelectKind {
 pub enum StrategyKind {
     /// The smooth field, simplified.
     SmoothThenSimplify,
-    /// The data, simplified.
+    /// The field on which extrema were selected, simplified.
     Flood,
     /// Values along the separatrices of the simplified Morse complex.
     Separatrix,
@@ -284,17 +295,23 @@ fn fraction(text: &str) -> Result<f64, String> {
         Some(digits) => number(digits)? / 100.0,
         None => number(text)?,
     };
-    if value.is_finite() && value >= 0.0 {
-        Ok(value)
-    } else {
-        Err(format!("found '{text}'; expected a finite part not below 0"))
+    if !value.is_finite() || value < 0.0 {
+        return Err(format!("found '{text}'; expected a finite part not below 0"));
     }
+    if value > 1.0 {
+        let hint = if text.contains('%') { String::new() } else { format!("; did you mean {}%?", text.trim()) };
+        return Err(format!("found '{text}', which is {} %; expected at most 100 %{hint}", 100.0 * value));
+    }
+    Ok(value)
 }
 
 fn extremum_values(text: &str) -> Result<ValuesKind, String> {
     match text {
         "keep" => Ok(ValuesKind::Keep),
         "free" => Ok(ValuesKind::Free),
-        _ => fraction(text).map(ValuesKind::Within).map_err(|_| format!("found '{text}'; expected keep, free or a part such as 5%")),
+        _ => fraction(text).map(ValuesKind::Within).map_err(|error| match error.contains("at most") {
+            true => error,
+            false => format!("found '{text}'; expected keep, free or a part such as 5%"),
+        }),
     }
 }

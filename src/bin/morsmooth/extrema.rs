@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use morsmooth::morse::PersistenceCurve;
-use morsmooth::smooth::MeasuredField;
+use morsmooth::smooth::{ExtremumCount, MeasuredField};
 use serde_json::{Value, json};
 
 use crate::Outcome;
@@ -59,7 +59,7 @@ pub fn run(args: &ExtremaArgs) -> Result<Outcome, Failure> {
         let mut out = std::io::stdout().lock();
         let mut lines = vec![
             format!("{} on {} vertices, values {} to {}", input.name, field.values.len(), short(low), short(high)),
-            format!("{} minima, {} maxima, boundary included", field.minima.len(), field.maxima.len()),
+            format!("{}, boundary included", ExtremumCount { minima: field.minima.len(), maxima: field.maxima.len() }),
             String::new(),
             format!("{:>11} {:>14} {:>8} {:>8}", "persistence", "in file units", "minima", "maxima"),
         ];
@@ -74,11 +74,10 @@ pub fn run(args: &ExtremaArgs) -> Result<Outcome, Failure> {
             for gap in gaps {
                 let percent = |value: f64| if high > low { 100.0 * value / (high - low) } else { 0.0 };
                 lines.push(format!(
-                    "  {:.2} % to {:.2} % leaves {} minima, {} maxima",
+                    "  {:.2} % to {:.2} % leaves {}",
                     percent(gap.from),
                     percent(gap.to),
-                    gap.minima,
-                    gap.maxima
+                    ExtremumCount { minima: gap.minima, maxima: gap.maxima }
                 ));
             }
         }

@@ -248,12 +248,23 @@ pub fn weights_array(input: &FieldInput, name: &str) -> Result<Vec<f64>, Failure
     Ok(input.domain.restrict(&array.to_f64(0)))
 }
 
+/// Which points of a persistence diagram are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PointKind {
+    /// Its minima.
+    Minima,
+    /// Its maxima.
+    Maxima,
+    /// Both.
+    Extrema,
+}
+
 /// Vertices listed in a file: point numbers in a text, or the extrema of a persistence diagram in a VTK file.
-pub fn read_points(path: &Path, input: &FieldInput) -> Result<Vec<VertexId>, Failure> {
+pub fn read_points(path: &Path, kind: PointKind, input: &FieldInput) -> Result<Vec<VertexId>, Failure> {
     let is_vtk = path.extension().and_then(|extension| extension.to_str()).is_some_and(|extension| {
         ["vtu", "vtp", "vtk"].iter().any(|vtk| extension.eq_ignore_ascii_case(vtk))
     });
-    let points = if is_vtk { diagram_points(path)? } else { listed_points(path)? };
+    let points = if is_vtk { diagram_points(path, kind)? } else { listed_points(path)? };
     let mut vertices = points.into_iter().map(|point| input.vertex_of_point(path, point)).collect::<Result<Vec<_>, _>>()?;
     vertices.sort_unstable();
     vertices.dedup();
@@ -278,8 +289,8 @@ fn listed_points(path: &Path) -> Result<Vec<u64>, Failure> {
     Ok(points)
 }
 
-/// Minima and maxima of a diagram in TTK's layout; all vertices where no critical type says what is a saddle.
-fn diagram_points(path: &Path) -> Result<Vec<u64>, Failure> {
+/// Extrema of a kind, of a diagram in TTK's layout; all vertices where no critical type says what is a saddle.
+fn diagram_points(path: &Path, wanted: PointKind) -> Result<Vec<u64>, Failure> {
     let diagram = read(path).map_err(|error| Failure::usage(error.to_string()))?;
     let ids = diagram.point_array("ttkVertexScalarField").ok_or_else(|| {
         Failure::file(path, "found no point array 'ttkVertexScalarField'; expected a persistence diagram as TTK writes it")
@@ -287,9 +298,14 @@ fn diagram_points(path: &Path) -> Result<Vec<u64>, Failure> {
     let kinds = diagram.point_array("CriticalType").map(|array| array.to_f64(0));
     const MINIMUM: f64 = 0.0;
     const MAXIMUM: f64 = 3.0;
-    let is_extremum = |place: usize| kinds.as_ref().is_none_or(|kinds| matches!(kinds.get(place), Some(&kind) if kind == MINIMUM || kind == MAXIMUM));
+    let is_wanted = |kind: f64| match wanted {
+        PointKind::Minima => kind == MINIMUM,
+        PointKind::Maxima => kind == MAXIMUM,
+        PointKind::Extrema => kind == MINIMUM || kind == MAXIMUM,
+    };
+    let is_meant = |place: usize| kinds.as_ref().is_none_or(|kinds| kinds.get(place).is_some_and(|&kind| is_wanted(kind)));
     let ids = ids.to_f64(0);
-    let wanted = ids.iter().enumerate().filter(|&(place, _)| is_extremum(place));
+    let wanted = ids.iter().enumerate().filter(|&(place, _)| is_meant(place));
     wanted
         .map(|(_, &id)| match id >= 0.0 && id.fract() == 0.0 {
             true => Ok(id as u64),

@@ -9,7 +9,7 @@ use morsmooth::plot::{
     DiagramPoint, FieldView, PictureOptions, PlotError, before_after, field_picture, persistence_curve, persistence_diagram,
     write_atomically,
 };
-use morsmooth::smooth::MeasuredField;
+use morsmooth::smooth::{MeasuredField, SelectOn};
 
 use crate::failure::Failure;
 use crate::input::FieldInput;
@@ -34,7 +34,11 @@ pub fn smooth(directory: &Path, job: &SmoothJob<'_>) -> Result<(), Failure> {
     let kept = |vertex: VertexId| {
         result.wanted.minima.binary_search(&vertex).is_ok() || result.wanted.maxima.binary_search(&vertex).is_ok()
     };
-    charts(directory, &result.selected_on, report.threshold.unwrap_or(0.0), &input.name, kept)
+    let label = match report.select_on {
+        SelectOn::Data => input.name.clone(),
+        SelectOn::Smooth => format!("{}, smooth field", input.name),
+    };
+    charts(directory, &result.selected_on, report.threshold, &label, kept)
 }
 
 /// The field, its persistence curve and diagram.
@@ -49,19 +53,21 @@ pub fn extrema(directory: &Path, input: &FieldInput, field: &MeasuredField) -> R
     field_picture(&input.domain.complex, &view, &options)
         .and_then(|picture| picture.write_png(&target))
         .map_err(|error| plot_failure(&target, &error))?;
-    charts(directory, field, 0.0, &input.name, |_| true)
+    charts(directory, field, None, &input.name, |_| true)
 }
 
 fn charts(
     directory: &Path,
     field: &MeasuredField,
-    threshold: f64,
+    threshold: Option<f64>,
     label: &str,
     kept: impl Fn(VertexId) -> bool,
 ) -> Result<(), Failure> {
     let (minima, maxima) = persistences(field);
+    let count = |pairs: &[ExtremumPair]| pairs.iter().filter(|pair| kept(pair.extremum)).count();
+    let counts = [count(&field.minima), count(&field.maxima)];
     let target = directory.join("persistence_curve.svg");
-    persistence_curve(&minima, &maxima, threshold, label)
+    persistence_curve(&minima, &maxima, threshold, counts, label)
         .and_then(|svg| write_atomically(&target, svg.as_bytes()))
         .map_err(|error| plot_failure(&target, &error))?;
     let points = |pairs: &[ExtremumPair]| -> Vec<DiagramPoint> {

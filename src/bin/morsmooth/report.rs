@@ -4,7 +4,10 @@ use std::path::Path;
 
 use morsmooth::audit::{AuditReport, Defects, ExtremumType};
 use morsmooth::field::VertexId;
+use morsmooth::monotone::{Precision, ValueRule};
 use morsmooth::morse::{ExtremumPair, reported_persistences};
+use morsmooth::plot::write_atomically;
+use morsmooth::qp::QpStatus;
 use morsmooth::smooth::{ExtremumCount, MeasuredField, SelectOn, Smoothed};
 use serde_json::{Value, json};
 
@@ -12,14 +15,13 @@ use crate::args::SmoothArgs;
 use crate::failure::Failure;
 use crate::input::FieldInput;
 use crate::number::short;
-use crate::output::write_whole;
 
 /// Writes a report.
 pub fn write_report(path: &Path, report: &Value) -> Result<(), Failure> {
     let mut text = serde_json::to_string_pretty(report)
         .map_err(|error| Failure::file(path, format!("the report cannot be put into JSON: {error}")))?;
     text.push('\n');
-    write_whole(path, text.as_bytes())
+    write_atomically(path, text.as_bytes()).map_err(|error| Failure::usage(error.to_string()))
 }
 
 /// The facts that every report begins with.
@@ -44,16 +46,22 @@ pub fn pairs(pairs: &[ExtremumPair], values: &[f64]) -> Vec<(f64, Option<f64>)> 
     pairs.iter().map(|pair| (values[pair.extremum.index()], pair.saddle.map(|saddle| values[saddle.index()]))).collect()
 }
 
-/// Extrema as a user finds them in the file: point number, position, value.
-pub fn extrema(input: &FieldInput, vertices: &[VertexId], values: &[f64]) -> Vec<Value> {
+/// Wanted extrema as a user finds them in the file: point number, position, value, and whether that value had to be kept.
+fn extrema(input: &FieldInput, vertices: &[VertexId], result: &Smoothed) -> Vec<Value> {
     vertices
         .iter()
         .map(|&vertex| {
-            json!({
+            let rule = result.rules[vertex.index()];
+            let mut entry = json!({
                 "point": input.domain.point_of_vertex()[vertex.index()],
                 "position": input.domain.complex.point(vertex),
-                "value": values[vertex.index()],
-            })
+                "value": result.values[vertex.index()],
+                "value_kept": matches!(rule, ValueRule::Exactly(_)),
+            });
+            if let ValueRule::Within(low, high) = rule {
+                entry["within"] = json!([low, high]);
+            }
+            entry
         })
         .collect()
 }
@@ -120,16 +128,19 @@ impl SmoothJob<'_> {
         let field = &self.result.selected_on;
         let mut report = header(self.input);
         if let Value::Object(entries) = &mut report {
+            let command: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+            entries.insert("command".into(), json!(command));
             entries.insert("output".into(), json!(self.args.output.display().to_string()));
             entries.insert("output_array".into(), json!(self.output_array));
+            entries.insert("raw".into(), json!(self.args.raw));
             entries.insert("written".into(), json!(self.written));
             entries.insert("audit".into(), audit_json(self.input, self.audit));
             entries.insert("smooth".into(), json!(self.result.report));
             entries.insert(
                 "wanted".into(),
                 json!({
-                    "minima": extrema(self.input, &self.result.wanted.minima, &self.result.values),
-                    "maxima": extrema(self.input, &self.result.wanted.maxima, &self.result.values),
+                    "minima": extrema(self.input, &self.result.wanted.minima, self.result),
+                    "maxima": extrema(self.input, &self.result.wanted.maxima, self.result),
                 }),
             );
             entries.insert("minima_pairs".into(), json!(pairs(&field.minima, &field.values)));
@@ -140,6 +151,19 @@ impl SmoothJob<'_> {
             );
         }
         report
+    }
+
+    /// What to say of a result that is not proven optimal.
+    pub fn warning(&self) -> Option<String> {
+        let solver = &self.result.report.solver;
+        let status = match solver.status {
+            QpStatus::Solved => return None,
+            QpStatus::Infeasible(_) => "infeasible",
+            QpStatus::IterationLimit => "at its iteration limit",
+            QpStatus::Stalled => "stalled",
+        };
+        let extrema = if self.audit.passed { "has exactly the wanted extrema but is" } else { "failed the audit and is" };
+        Some(format!("the solver ended {status}: the field {extrema} not proven optimal (relative gap {:.1e})", solver.kkt.duality_gap))
     }
 
     /// The summary, on standard output; a closed pipe is not an error.
@@ -161,10 +185,10 @@ impl SmoothJob<'_> {
         };
         lines.push(("extrema wanted", format!("{}{rule}", report.wanted)));
         if report.unavoidable > 0 {
-            lines.push(("", format!("{} of them only because their part of the domain hangs on one vertex", report.unavoidable)));
+            lines.push(("", format!("{} of them only because {}", report.unavoidable, unavoidable_reason(report.dimension))));
         }
         let noise = match report.length.noise {
-            Some(noise) => format!(", chosen by cross-validation; noise about {}", short(noise)),
+            Some(noise) => format!(", chosen by cross-validation; prediction error about {}", short(noise)),
             None => String::new(),
         };
         lines.push((
@@ -188,6 +212,14 @@ impl SmoothJob<'_> {
                 percent(report.energy.above_unconstrained)
             ),
         ));
+        let rounding = report.energy.rounds.last().map_or(0.0, |round| report.energy.result / round - 1.0);
+        if rounding.is_finite() && rounding.abs() > 1e-3 {
+            let cause = match report.precision {
+                Precision::F32 => "storing 32-bit values",
+                Precision::F64 => "the exact repair",
+            };
+            lines.push(("rounding", format!("{cause} adds {} to the energy", percent(rounding))));
+        }
         lines.push((
             "solver",
             format!(
@@ -237,18 +269,25 @@ impl SmoothJob<'_> {
     }
 }
 
+/// Why an extremum had to be kept.
+fn unavoidable_reason(dimension: usize) -> &'static str {
+    match dimension {
+        1 => "the end of a line is always an extremum",
+        _ => "their part of the domain hangs on one vertex",
+    }
+}
+
 /// An excess as a percentage; an energy of nothing has none.
 fn percent(excess: f64) -> String {
     match excess {
         excess if !excess.is_finite() => "immeasurably".to_owned(),
-        excess if excess < 1e4 => format!("{:.2} %", 100.0 * excess),
+        excess if excess < 1e4 => format!("{:.2} %", (1e4 * excess).round() / 100.0 + 0.0),
         excess => format!("{:.2e} times", excess + 1.0),
     }
 }
 
 /// How a solve ended, in a word.
-pub fn status_name(status: &morsmooth::qp::QpStatus) -> &'static str {
-    use morsmooth::qp::QpStatus;
+pub fn status_name(status: &QpStatus) -> &'static str {
     match status {
         QpStatus::Solved => "solved",
         QpStatus::Infeasible(_) => "infeasible (the field written is feasible, not optimal)",

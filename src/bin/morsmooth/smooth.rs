@@ -12,7 +12,7 @@ use morsmooth::smooth::{ExtremumValues, Length, SelectOn, SmoothOptions, Smoothe
 use crate::Outcome;
 use crate::args::{EdgesKind, SelectKind, SelectionArgs, SmoothArgs, StrategyKind, ValuesKind};
 use crate::failure::Failure;
-use crate::input::{FieldInput, read_points, weights_array};
+use crate::input::{FieldInput, PointKind, read_points, weights_array};
 use crate::output::{check_directory, check_report, check_target};
 use crate::report::{SmoothJob, write_report};
 use crate::talk::Talk;
@@ -40,7 +40,7 @@ pub fn run(args: &SmoothArgs) -> Result<Outcome, Failure> {
         talk.line(&format!("note: {note}"));
     }
     let output_array = args.output_array.clone().unwrap_or_else(|| format!("{}_smooth", input.name));
-    check_output_array(&output_array, args)?;
+    check_output_array(&output_array, args, &input)?;
     if input.dataset.point_array(&output_array).is_some() {
         talk.line(&format!("note: the array {output_array} of the input is replaced in the output"));
     }
@@ -115,6 +115,9 @@ pub fn run(args: &SmoothArgs) -> Result<Outcome, Failure> {
         drop(pending);
     }
     talk.finish();
+    if let Some(warning) = job.warning() {
+        talk.warn(&warning);
+    }
     if let Some(path) = &args.talk.report {
         write_report(path, &job.to_json())?;
     }
@@ -125,7 +128,9 @@ pub fn run(args: &SmoothArgs) -> Result<Outcome, Failure> {
 }
 
 /// Refuses a result in the place of an array that decided on it.
-fn check_output_array(name: &str, args: &SmoothArgs) -> Result<(), Failure> {
+///
+/// Every other array of the input stays as it is; only the array worked on and an earlier result may be replaced.
+fn check_output_array(name: &str, args: &SmoothArgs, input: &FieldInput) -> Result<(), Failure> {
     if name.is_empty() {
         return Err(Failure::usage("found an empty name for --output-array; expected a name"));
     }
@@ -134,7 +139,14 @@ fn check_output_array(name: &str, args: &SmoothArgs) -> Result<(), Failure> {
         Some((role, _)) => {
             Err(Failure::usage(format!("the result would replace the array '{name}' of {role}; expected another --output-array")))
         }
-        None => Ok(()),
+        None => {
+            let is_worked_on = args.field.derive.is_none() && name == input.name;
+            let is_earlier_result = name == format!("{}_smooth", input.name);
+            if input.dataset.point_array(name).is_none() || is_worked_on || is_earlier_result {
+                return Ok(());
+            }
+            Err(Failure::usage(format!("the result would replace the array '{name}' of the input; expected another --output-array")))
+        }
     }
 }
 
@@ -149,7 +161,7 @@ fn selection(args: &SelectionArgs, input: &FieldInput) -> Result<Selection, Fail
         return Ok(Selection::Count(count));
     }
     if let Some(path) = &args.keep {
-        return Ok(Selection::Set(read_points(path, input)?));
+        return Ok(Selection::Set(read_points(path, PointKind::Extrema, input)?));
     }
     Err(Failure::usage("found no wanted extrema; expected one of --persistence, --persistence-abs, --extrema, --keep")
         .hint("'morsmooth extrema FILE' shows what each threshold would leave; --persistence 10% is a good start"))

@@ -63,6 +63,13 @@ impl Talk {
         }
     }
 
+    /// Says what nobody may miss, quiet or not.
+    pub fn warn(&self, warning: &str) {
+        self.bar.suspend(|| {
+            let _ = writeln!(std::io::stderr().lock(), "warning: {warning}");
+        });
+    }
+
     /// Removes the spinner.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

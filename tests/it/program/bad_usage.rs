@@ -100,6 +100,8 @@ fn numbers_out_of_range() {
     with(&["--gap", "0.5"], &["relative gap is 0.5; expected a number in (0, 0.1]"]);
     with(&["--gap", "nan"], &["relative gap is NaN; expected a number in (0, 0.1]"]);
     with(&["--values", "-5%"], &["found '-5%'; expected keep, free or a part such as 5%"]);
+    with(&["--values", "10"], &["found '10', which is 1000 %; expected at most 100 %; did you mean 10%?"]);
+    with(&["--length", "2"], &["did you mean 2%?"]);
     with(&["--values", "held"], &["found 'held'; expected keep, free or a part such as 5%"]);
     with(&["--threads", "0"], &["found --threads 0; expected at least 1"]);
     with(&["--refine", "-1"], &["-1"]);
@@ -133,6 +135,7 @@ fn arrays_that_do_not_fit() {
     with(&["--array", "h", "--confidence", "velocity"], &["array 'velocity' has 3 components; expected one number a point"]);
     with(&["--array", "h", "--confidence", "texts"], &["array 'texts' holds texts; expected one number a point"]);
     with(&["--array", "h", "--output-array", ""], &["found an empty name for --output-array"]);
+    with(&["--array", "h", "--output-array", "other"], &["the result would replace the array 'other' of the input"]);
     with(&["--array", "h", "--mask", "other", "--output-array", "other"], &["the result would replace the array 'other' of --mask"]);
     let vectors = DataArray::new("velocity", 3, ArrayData::F32(vec![0.5; 3 * 432]));
     let only_vectors = Bench::with(&image([24, 18, 1], vec![vectors]));

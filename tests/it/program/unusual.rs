@@ -58,7 +58,7 @@ fn a_constant_part_beside_varying_ones_is_left_out() {
 fn two_parts_keep_a_minimum_and_a_maximum_each() {
     let wall: Vec<f64> = (0..432).map(|i| f64::from(u8::from(i % 24 != 12))).collect();
     let bench = Bench::with(&image([24, 18, 1], vec![doubles("h", &hills(24, 18)), doubles("m", &wall)]));
-    let report = bench.smooths("in.vti", &["--array", "h", "--mask", "m", "--persistence", "1000%"]);
+    let report = bench.smooths("in.vti", &["--array", "h", "--mask", "m", "--persistence", "100%"]);
     assert_eq!(report["smooth"]["components"], 2);
     for kind in ["minima", "maxima"] {
         let points = wanted_points(&report, kind);
