@@ -222,6 +222,7 @@ fn draw_diagram(
     let band = vec![(least, least), (least, least + t), (most - t, most), (most, most), (most, most - t), (least + t, least)];
     chart.draw_series([Polygon::new(band, RGBColor(238, 238, 241).filled())])?;
     chart.draw_series(LineSeries::new([(least, least), (most, most)], INK.stroke_width(1)))?;
+    let mut entries = 0;
     // Removed ones first, so that the few kept ones lie on top.
     for kept in [false, true] {
         for (points, colour, name, end) in [(minima, BLUE, "minima", high), (maxima, RED, "maxima", low)] {
@@ -229,22 +230,29 @@ fn draw_diagram(
             let style = if kept { colour.filled() } else { colour.mix(0.3).filled() };
             let size = if kept { 5 } else { 2 };
             let paired = shown.iter().filter_map(|point| point.death.map(|death| (place(point.birth), place(death))));
-            let discs = chart.draw_series(paired.map(|place| Circle::new(place, size, style)))?;
+            chart.draw_series(paired.map(|place| Circle::new(place, size, style)))?;
             let word = if kept { "kept" } else { "removed" };
-            let text = format!("{name} {word}: {}", shown.len());
-            discs.label(text).legend(move |(x, y)| Circle::new((x + 12, y), size, style));
+            let (mark, text) = beside(sheet, &mut entries);
+            sheet.draw(&Circle::new(mark, size, style))?;
+            sheet.draw(&Text::new(format!("{name} {word}: {}", shown.len()), text, font(15)))?;
             let unpaired = shown.iter().filter(|point| point.death.is_none()).map(|point| (place(point.birth), end));
             chart.draw_series(unpaired.map(|place| TriangleMarker::new(place, size + 3, style)))?;
         }
     }
     if points().any(|point| point.death.is_none()) {
-        let none = std::iter::empty::<TriangleMarker<(f64, f64), i32>>();
-        let entry = chart.draw_series(none)?.label("triangle: never dies");
-        entry.legend(|(x, y)| TriangleMarker::new((x + 12, y), 6, INK.filled()));
+        let (mark, text) = beside(sheet, &mut entries);
+        sheet.draw(&TriangleMarker::new(mark, 6, INK.filled()))?;
+        sheet.draw(&Text::new("triangle: never dies", text, font(15)))?;
     }
-    // Beside the axes, where no data lies.
-    let (width, _) = chart.plotting_area().dim_in_pixel();
-    legend(&mut chart, SeriesLabelPosition::Coordinate(i32::try_from(width)? + 10, 0))
+    Ok(())
+}
+
+/// Places of the next mark and text of the legend beside the axes, where no data lies.
+fn beside(sheet: &Sheet<'_>, entries: &mut i32) -> ((i32, i32), (i32, i32)) {
+    let (width, _) = sheet.dim_in_pixel();
+    let (x, y) = (width as i32 - LEGEND_WIDTH as i32 + 12, 64 + 22 * *entries);
+    *entries += 1;
+    ((x, y), (x + 14, y - 8))
 }
 
 /// Zero instead of the rounding that an axis step leaves of it.
