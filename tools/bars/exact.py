@@ -166,7 +166,7 @@ def mark(record):
         return "-"
     if record["faults"]:
         return "X"
-    return ("f" if record["used"] != record["strategy"] else ".") if record["status"] == "Solved" else "s"
+    return ("f" if record["used"] != record["strategy"] else ".") if record["status"] == "solved" else "s"
 
 
 def table(runs, records):

@@ -179,7 +179,7 @@ def main():
             problem = Problem(folder)
         ours = problem.ours
         energy, residuals = problem.energy(ours["x"]), problem.residuals(ours["x"], ours["dual"])
-        good = ours["status"] == "Solved" and max(residuals.values()) <= RESIDUAL
+        good = ours["status"] == "solved" and max(residuals.values()) <= RESIDUAL
         agreed, cells = 0, []
         for solve in (by_cvxopt, by_clarabel):
             begin = time.perf_counter()
