@@ -182,8 +182,8 @@ def table(runs, records):
         wanted = f"{counts[0][0]} + {counts[0][1]}" + (f" to {counts[-1][0]} + {counts[-1][1]}" if len(counts) > 1 else "") \
             if counts else "-"
         print(f"| {field} | {select} | {threshold} % | {wanted} | " + " | ".join(cell.strip() for cell in cells) + " |")
-    print(f"\nOne mark an order, {', '.join(map(str, orders))}. `.` exactly the wanted extrema; `f` the same, with the flood of the "
-          "selected field, as the order of the function asked for contradicts the wanted values; `s` the same, but the solver did "
+    print(f"\nOne mark an order, {', '.join(map(str, orders))}. `.` exactly the wanted extrema; `f` the same, with another function than "
+          "the one asked for, as its order contradicts the wanted values; `s` the same, but the solver did "
           "not reach its tolerance; `X` exception; `-` not run.")
 
 
@@ -224,8 +224,8 @@ def main():
     for record in exceptions:
         print(f"EXCEPTION {record['command']}\n  " + "\n  ".join(record["faults"]))
     marks = collections.Counter(map(mark, done))
-    print(f"{len(done)} runs, {len(exceptions)} exceptions ({len(runs) - len(done)} runs missing; {marks['f']} with the flood instead "
-          f"of the function asked for, {marks['s']} in which the solver did not reach its tolerance)")
+    print(f"{len(done)} runs, {len(exceptions)} exceptions ({len(runs) - len(done)} runs missing; {marks['f']} with another function instead "
+          f"of the one asked for, {marks['s']} in which the solver did not reach its tolerance)")
     sys.exit(1 if exceptions or len(done) < len(runs) else 0)
 
 
