@@ -41,6 +41,7 @@
 //! * Robins, Wood, Sheppard 2011, *Theory and algorithms for constructing discrete Morse complexes*: the gradient.
 //! * Edelsbrunner, Letscher, Zomorodian 2002, *Topological persistence and simplification*: pairs and the elder rule.
 //! * Tierny, Pascucci 2012; Lukasczyk, Garth, Maciejewski, Tierny 2020: the flood.
+//! * Günther, Jacobson, Reininghaus, Seidel, Sorkine-Hornung, Weinkauf 2014: refinement of the representative function.
 //! * Mehrotra 1992; Gondzio 1996: the interior point method.
 //! * Burman, Chow, Nolan 1994: the smoothing length.
 #![forbid(unsafe_code)]

@@ -177,7 +177,7 @@ fn draw_curves(
             .label(format!("threshold {}", number(threshold)))
             .legend(|(x, y)| PathElement::new([(x, y), (x + 9, y), (x + 15, y), (x + 24, y)], INK.stroke_width(1)));
     }
-    legend(&mut chart, SeriesLabelPosition::LowerLeft)
+    legend(&mut chart)
 }
 
 fn draw_diagram(
@@ -266,11 +266,10 @@ fn described(what: &str, label: &str) -> String {
 
 fn legend<'a, C: CoordTranslate>(
     chart: &mut ChartContext<'a, SVGBackend<'a>, C>,
-    position: SeriesLabelPosition,
 ) -> Result<(), Box<dyn std::error::Error>> {
     chart
         .configure_series_labels()
-        .position(position)
+        .position(SeriesLabelPosition::LowerLeft)
         .background_style(WHITE.mix(0.9))
         .border_style(FAINT)
         .label_font(font(15))

@@ -45,20 +45,26 @@ pub(super) fn check_options(complex: &SimplicialComplex, data: &[f64], options: 
     Ok(())
 }
 
-/// The first component with one value only, near which there is no strict field: its lowest vertex and its size.
-pub(super) fn constant_component(complex: &SimplicialComplex, data: &[f64]) -> Option<(VertexId, usize)> {
+/// The components with one value only, near which there is no strict field.
+///
+/// # Arguments
+/// * `values`: `n` values, one a vertex of `complex`.
+///
+/// # Returns
+/// The vertices of each such component by rising index, components by their lowest vertex; isolated vertices are none.
+///
+/// # Cost
+/// O(n + m).
+pub fn constant_components(complex: &SimplicialComplex, values: &[f64]) -> Vec<Vec<VertexId>> {
     let (component, count) = complex.components();
-    let mut first: Vec<Option<VertexId>> = vec![None; count];
-    let mut size = vec![0usize; count];
-    let mut varies = vec![false; count];
+    let mut members: Vec<Vec<VertexId>> = vec![Vec::new(); count];
     for (vertex, &number) in component.iter().enumerate() {
-        let slot = number as usize;
-        let lowest = *first[slot].get_or_insert(vertex.into());
-        varies[slot] |= data[vertex] != data[lowest.index()];
-        size[slot] += 1;
+        members[number as usize].push(vertex.into());
     }
-    let constant = (0..count).find(|&slot| !varies[slot] && size[slot] > 1);
-    constant.and_then(|slot| Some((first[slot]?, size[slot])))
+    let is_constant = |vertices: &Vec<VertexId>| {
+        vertices.len() > 1 && vertices.iter().all(|vertex| values[vertex.index()] == values[vertices[0].index()])
+    };
+    members.into_iter().filter(is_constant).collect()
 }
 
 /// Refuses a component on which no data value counts: nothing would decide on its level.

@@ -8,6 +8,7 @@ mod pipeline;
 mod report;
 mod select;
 
+pub use checks::constant_components;
 pub use error::SmoothError;
 pub use length::{ChosenLength, cross_validated_length};
 pub use options::{ExtremumValues, Length, SelectOn, SmoothOptions};

@@ -9,7 +9,7 @@ use crate::monotone::{
 use crate::morse::{Selection, WantedExtrema};
 use crate::qp::{Progress, Settings};
 
-use super::checks::{check_confidence, check_options, check_power, constant_component, unit};
+use super::checks::{check_confidence, check_options, check_power, constant_components, unit};
 use super::error::SmoothError;
 use super::length::cross_validated_length;
 use super::options::{ExtremumValues, Length, SelectOn, SmoothOptions};
@@ -88,8 +88,8 @@ pub fn smooth(
     let mut timing = Timing::default();
     progress(SmoothProgress::Stage("extrema of the data"));
     let measured = timing.measure("extrema", || MeasuredField::new(complex, data.to_vec()))?;
-    if let Some((vertex, vertices)) = constant_component(complex, data) {
-        return Err(SmoothError::Constant { vertex, vertices, value: data[vertex.index()] });
+    if let Some(constant) = constant_components(complex, data).first() {
+        return Err(SmoothError::Constant { vertex: constant[0], vertices: constant.len(), value: data[constant[0].index()] });
     }
     check_confidence(complex, options.confidence)?;
     let unit = unit(measured.range())?;
@@ -116,7 +116,8 @@ pub fn smooth(
         SelectOn::Data => measured,
         SelectOn::Smooth => timing.measure("extrema", || MeasuredField::new(complex, unconstrained.clone()))?,
     };
-    if let Some((vertex, vertices)) = constant_component(complex, &selected_on.values) {
+    if let Some(constant) = constant_components(complex, &selected_on.values).first() {
+        let (vertex, vertices) = (constant[0], constant.len());
         return Err(SmoothError::SmoothedAway { vertex, vertices, value: selected_on.values[vertex.index()] });
     }
     let Selected { wanted, unavoidable } = timing.measure("selection", || select_extrema(complex, &selected_on, &options.selection))?;

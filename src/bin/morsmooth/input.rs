@@ -7,7 +7,7 @@ use morsmooth::io::{ArrayData, DataArray, DataSet, DomainIoError, MaskSources, d
 use morsmooth::mesh::{Domain, Mask, check};
 use morsmooth::monotone::Precision;
 use morsmooth::operators::{Derived, OperatorError, derive};
-use morsmooth::smooth::SmoothError;
+use morsmooth::smooth::{SmoothError, constant_components};
 
 use crate::args::{DeriveKind, FieldArgs};
 use crate::failure::Failure;
@@ -108,28 +108,18 @@ impl FieldInput {
 /// No strict field is near such a component, so it is left out and keeps its values. A field without any variation is left
 /// to the library to refuse.
 fn constant_parts(domain: &Domain, values: &[f64]) -> Option<(Vec<u32>, Vec<String>)> {
-    let (component, count) = domain.complex.components();
-    let mut first = vec![usize::MAX; count];
-    let mut size = vec![0usize; count];
-    let mut varies = vec![false; count];
-    for (vertex, &number) in component.iter().enumerate() {
-        let slot = number as usize;
-        first[slot] = first[slot].min(vertex);
-        varies[slot] |= values[vertex] != values[first[slot]];
-        size[slot] += 1;
-    }
-    if !varies.contains(&true) || !varies.contains(&false) {
+    let constant = constant_components(&domain.complex, values);
+    let left_out: usize = constant.iter().map(Vec::len).sum();
+    if left_out == 0 || left_out == values.len() {
         return None;
     }
-    let point = |vertex: usize| domain.point_of_vertex()[vertex];
-    let constant = component.iter().enumerate().filter(|&(_, &number)| !varies[number as usize]);
-    let points = constant.map(|(vertex, _)| point(vertex)).collect();
-    let notes = (0..count).filter(|&slot| !varies[slot]).map(|slot| {
+    let points = constant.iter().flat_map(|vertices| domain.points_of(vertices)).collect();
+    let notes = constant.iter().map(|vertices| {
         format!(
             "the field is constant (value {:?}) on a part of {} points, first point {}; left out, they keep their value",
-            values[first[slot]],
-            size[slot],
-            point(first[slot])
+            values[vertices[0].index()],
+            vertices.len(),
+            domain.point_of_vertex()[vertices[0].index()]
         )
     });
     Some((points, notes.collect()))
