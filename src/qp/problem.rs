@@ -47,6 +47,11 @@ pub struct Objective {
 pub enum Cone {
     /// The given number of rows, each `>= 0`.
     NonNegative(usize),
+    /// The given number of symmetric 2 x 2 matrices, positive semi-definite, three rows each: the scaled lower triangle by rows,
+    /// `(s11, √2 s21, s22)`.
+    Psd2(usize),
+    /// The given number of symmetric 3 x 3 matrices, positive semi-definite, six rows each: `(s11, √2 s21, s22, √2 s31, √2 s32, s33)`.
+    Psd3(usize),
 }
 
 impl Cone {
@@ -54,6 +59,8 @@ impl Cone {
     pub fn rows(&self) -> usize {
         match self {
             Self::NonNegative(rows) => *rows,
+            Self::Psd2(blocks) => 3 * blocks,
+            Self::Psd3(blocks) => 6 * blocks,
         }
     }
 }
