@@ -4,6 +4,8 @@ use crate::linalg::{Cholesky, CsrMatrix, FactorError, SymbolicCholesky, fill_red
 
 use super::problem::check_fixed;
 use super::product::{Scratch, add, dot};
+use super::rows::Rows;
+use super::scaling::Scaling;
 use super::{Objective, QpError, Term};
 
 /// Right-hand sides that the factor takes at a time.
@@ -47,7 +49,7 @@ impl Engine {
     /// # Arguments
     /// * `objective`: n unknowns; only the patterns of its terms matter here.
     /// * `rows`: `m x n` rows whose unknowns the pattern must couple, unless P couples them already (rows between mesh
-    ///   neighbours always lie inside the pattern of a chain).
+    ///   neighbours always lie inside the pattern of a chain). For blocks: [`Constraints::coupling`](super::Constraints::coupling).
     /// * `coordinates`: a place for each unknown, any unit; turns on nested dissection from 20,000 unknowns on.
     ///
     /// # Errors
@@ -228,7 +230,7 @@ impl Engine {
     /// factor, so that one step is a plain solve and the next ones are refinement.
     ///
     /// # Arguments
-    /// * `rows`: A without fixed columns, and W; `None` for P alone.
+    /// * `rows`: A without fixed columns, W, and work memory of a number a row; `None` for P alone.
     /// * `side`: r, zero at the fixed unknowns; `direction`: d, overwritten.
     /// * `tolerance`: on the residual's 2-norm relative to that of r; `steps`: most solves.
     ///
@@ -237,7 +239,7 @@ impl Engine {
     pub(super) fn solve_refined(
         &mut self,
         objective: &Objective,
-        rows: Option<(&CsrMatrix, &[f64])>,
+        mut rows: Option<(&Rows, &Scaling, &mut [f64])>,
         side: &[f64],
         direction: &mut [f64],
         (tolerance, steps): (f64, usize),
@@ -268,8 +270,8 @@ impl Engine {
                 break;
             }
             objective.product_into(&search, &mut image, &mut self.scratch);
-            if let Some((matrix, weights)) = rows {
-                add_normal_product(matrix, weights, &search, &mut image);
+            if let Some((rows, scaling, work)) = &mut rows {
+                rows.add_normal_product(scaling, &search, &mut image, work);
             }
             self.mask(&mut image);
             let length = product / dot(&search, &image);
@@ -290,18 +292,6 @@ impl Engine {
         }
         self.refinement = [residual, solved, search, image];
         (taken, reached)
-    }
-}
-
-/// `y += Aᵀ W A x`.
-fn add_normal_product(matrix: &CsrMatrix, weights: &[f64], x: &[f64], y: &mut [f64]) {
-    for (row, weight) in weights.iter().enumerate() {
-        let (columns, values) = matrix.row(row);
-        let image: f64 = columns.iter().zip(values).map(|(&column, value)| value * x[column as usize]).sum();
-        let force = weight * image;
-        for (&column, value) in columns.iter().zip(values) {
-            y[column as usize] += value * force;
-        }
     }
 }
 

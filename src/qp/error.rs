@@ -65,7 +65,7 @@ pub enum QpError {
         size: f64,
     },
     /// A row couples unknowns that the engine's pattern does not couple.
-    #[error("row {row} couples unknowns {first} and {second}, outside the analysed pattern; give the rows to Engine::new")]
+    #[error("row {row} couples unknowns {first} and {second}, outside the analysed pattern; give Constraints::coupling to Engine::new")]
     RowOutsidePattern {
         /// The row.
         row: usize,

@@ -11,6 +11,8 @@
 //!
 //! The end of a solve is a [`QpStatus`] with [`KktResiduals`] on the problem as given; only `Solved` is success.
 
+mod blocks;
+mod certificate;
 mod conflict;
 mod engine;
 mod error;
@@ -21,13 +23,16 @@ mod pinned;
 mod problem;
 mod product;
 mod rows;
+mod scaling;
 mod solution;
 mod start;
+mod step;
 
+pub use certificate::Certificate;
 pub use engine::Engine;
 pub use error::QpError;
 pub use interior::solve;
 pub use penalty::{LineSearch, MatrixPenalty, Method, Penalty, PenaltyOptions, Preview, Until, solve_with};
 pub use pinned::{Minimum, PinnedSolver};
 pub use problem::{Cone, Constraints, Objective, Problem, Term};
-pub use solution::{Certificate, KktResiduals, Progress, QpStatus, Settings, Solution, Timings};
+pub use solution::{KktResiduals, Progress, QpStatus, Settings, Solution, Timings};
