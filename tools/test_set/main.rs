@@ -88,9 +88,9 @@ fn write(folder: &Path, name: &str, is_solved: bool) -> Result<(), Box<dyn Error
 /// Solves a problem and adds the times: seconds of the whole solve without and with the analysis, and of the floor, one
 /// factorisation with one solve; each as the clock has it and as the processors do.
 fn solve(made: &Made, repeats: usize, method: &str) -> Result<Value, Box<dyn Error>> {
-    let rows = &made.problem.constraints.matrix;
+    let rows = made.problem.constraints.coupling();
     let clock = Clock::start();
-    let mut engine = Engine::new(&made.problem.objective, Some(rows), Some(&made.coordinates))?;
+    let mut engine = Engine::new(&made.problem.objective, Some(&rows), Some(&made.coordinates))?;
     let analysis = clock.seconds();
     let mut floor = [f64::INFINITY; 2];
     for _ in 0..3 {

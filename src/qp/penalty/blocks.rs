@@ -4,7 +4,7 @@ use super::Penalty;
 use super::spectral::expand;
 use crate::linalg::FactorError;
 use crate::linalg::small::{Square, from_scaled, scaled_length, symmetric_eigen, to_scaled};
-use crate::qp::{Cone, Engine, Problem, QpError};
+use crate::qp::{Engine, Problem, QpError};
 use rayon::prelude::*;
 
 /// Blocks summed by one parallel task; fixed, so that the bits do not depend on the number of threads.
@@ -44,58 +44,50 @@ pub(super) struct Level {
 }
 
 impl Blocks {
-    /// Number of blocks that a problem's cones have.
-    pub fn count(problem: &Problem) -> usize {
-        sizes(problem).map(|(_, count)| count).sum()
-    }
-
     /// Finds the free unknowns of every block and the places of their products.
     pub fn new(problem: &Problem, engine: &Engine) -> Result<Self, QpError> {
         let matrix = &problem.constraints.matrix;
         let (mut columns, mut coefficients, mut slots) = (Vec::<u32>::new(), Vec::new(), Vec::new());
-        let mut blocks = Vec::with_capacity(Self::count(problem) + 1);
-        let mut row = 0;
-        for (size, count) in sizes(problem) {
-            let rows = scaled_length(size);
-            for _ in 0..count {
-                let first = columns.len();
-                blocks.push(Block {
-                    size: size as u8,
-                    row: row as u32,
-                    columns: first as u32,
-                    coefficients: coefficients.len() as u32,
-                    slots: slots.len() as u32,
-                });
-                for entry in row..row + rows {
-                    let (names, values) = matrix.row(entry);
-                    let free = names.iter().zip(values).filter(|&(&column, &value)| value != 0.0 && !engine.is_fixed[column as usize]);
-                    columns.extend(free.map(|(column, _)| column));
+        let mut blocks = Vec::with_capacity(problem.constraints.members() + 1);
+        for (row, size) in problem.constraints.member_rows() {
+            let rows = row..row + scaled_length(size);
+            let first = columns.len();
+            blocks.push(Block {
+                size: size as u8,
+                row: row as u32,
+                columns: first as u32,
+                coefficients: coefficients.len() as u32,
+                slots: slots.len() as u32,
+            });
+            for entry in rows.clone() {
+                let (names, values) = matrix.row(entry);
+                let free = names.iter().zip(values).filter(|&(&column, &value)| value != 0.0 && !engine.is_fixed[column as usize]);
+                columns.extend(free.map(|(column, _)| column));
+            }
+            columns[first..].sort_unstable();
+            let mut end = first;
+            for place in first..columns.len() {
+                if place == first || columns[place] != columns[end - 1] {
+                    columns[end] = columns[place];
+                    end += 1;
                 }
-                columns[first..].sort_unstable();
-                let mut end = first;
-                for place in first..columns.len() {
-                    if place == first || columns[place] != columns[end - 1] {
-                        columns[end] = columns[place];
-                        end += 1;
-                    }
+            }
+            columns.truncate(end);
+            for entry in rows {
+                coefficients.extend(columns[first..].iter().map(|&column| matrix.get(entry, column as usize)));
+            }
+            for (place, &one) in columns[first..].iter().enumerate() {
+                for &other in &columns[first + place..] {
+                    slots.push(engine.symbolic.slot(one as usize, other as usize).map_err(|error| match error {
+                        FactorError::OutsidePattern { row: first, column: second } => {
+                            QpError::RowOutsidePattern { row, first, second }
+                        }
+                        other => other.into(),
+                    })?);
                 }
-                columns.truncate(end);
-                for entry in row..row + rows {
-                    coefficients.extend(columns[first..].iter().map(|&column| matrix.get(entry, column as usize)));
-                }
-                for (place, &one) in columns[first..].iter().enumerate() {
-                    for &other in &columns[first + place..] {
-                        slots.push(engine.symbolic.slot(one as usize, other as usize).map_err(|error| match error {
-                            FactorError::OutsidePattern { row: first, column: second } => {
-                                QpError::RowOutsidePattern { row, first, second }
-                            }
-                            other => other.into(),
-                        })?);
-                    }
-                }
-                row += rows;
             }
         }
+        let row = problem.constraints.offset.len();
         let (columns_end, coefficients_end, slots_end) = (columns.len() as u32, coefficients.len() as u32, slots.len() as u32);
         blocks.push(Block { size: 0, row: row as u32, columns: columns_end, coefficients: coefficients_end, slots: slots_end });
         Ok(Self { blocks, columns, coefficients, slots, weights: Vec::new(), unit: 1.0 })
@@ -281,13 +273,4 @@ fn projected<const D: usize>(rows: &mut [f64]) {
         std::array::from_fn(|b| (0..D).map(|i| vectors[a][i] * values[i].max(0.0) * vectors[b][i]).sum())
     });
     to_scaled(&square, rows);
-}
-
-/// Size and number of the blocks of every cone.
-fn sizes(problem: &Problem) -> impl Iterator<Item = (usize, usize)> + '_ {
-    problem.constraints.cones.iter().map(|cone| match cone {
-        Cone::NonNegative(rows) => (1, *rows),
-        Cone::Psd2(blocks) => (2, *blocks),
-        Cone::Psd3(blocks) => (3, *blocks),
-    })
 }

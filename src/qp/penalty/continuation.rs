@@ -93,7 +93,7 @@ impl Engine {
     ) -> Result<Solution, QpError> {
         let clock = Instant::now();
         problem.check()?;
-        options.check(Blocks::count(problem))?;
+        options.check(problem.constraints.members())?;
         if let Some(start) = start {
             length("start", start.len(), problem.fixed.len())?;
             finite("start", start)?;
@@ -170,7 +170,7 @@ pub fn solve_with(
     settings: &Settings,
 ) -> Result<Solution, QpError> {
     problem.check()?;
-    let mut engine = Engine::new(&problem.objective, Some(&problem.constraints.matrix), coordinates)?;
+    let mut engine = Engine::new(&problem.objective, Some(&problem.constraints.coupling()), coordinates)?;
     match method {
         Method::InteriorPoint => engine.solve(problem, None, settings, &mut |_| {}),
         Method::Penalty(options) => engine.solve_penalty(problem, None, settings, options, &mut |_| {}),

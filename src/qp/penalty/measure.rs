@@ -4,6 +4,9 @@ use super::blocks::Blocks;
 use crate::qp::product::{Scratch, add, dot, largest};
 use crate::qp::{Certificate, Engine, KktResiduals, Problem, Settings};
 
+/// Multipliers below this share of the largest are not named.
+const NAMED: f64 = 1e-6;
+
 /// The residuals of a point and its objective.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Measured {
@@ -110,8 +113,7 @@ pub(super) fn transposed(problem: &Problem, z: &[f64], y: &mut [f64]) {
 /// At the minimiser of the penalised energy `Aᵀ z` balances the gradient, which stays, while z grows with tau where rows contradict
 /// each other: z over its size tends to a ray with `Aᵀ y = 0` and `yᵀ b < 0`.
 pub(super) fn certificate(engine: &Engine, problem: &Problem, x: &[f64], z: &[f64]) -> Option<Certificate> {
-    let top = largest(z);
-    if !(top > 0.0 && top.is_finite()) {
+    if !z.iter().all(|value| value.is_finite()) {
         return None;
     }
     let mut image = vec![0.0; x.len()];
@@ -125,11 +127,20 @@ pub(super) fn certificate(engine: &Engine, problem: &Problem, x: &[f64], z: &[f6
     if sum * 1e6 * largest(x).max(offset) >= -conflict {
         return None;
     }
-    let chosen: Vec<usize> = (0..z.len()).filter(|&row| z[row].abs() > 1e-6 * top).collect();
+    // The weight of a block is its trace; the diagonal of a scaled vector is at places 0, 2 and 5.
+    let weights: Vec<f64> = problem
+        .constraints
+        .member_rows()
+        .map(|(first, order)| [0, 2, 5][..order].iter().map(|place| z[first + place]).sum())
+        .collect();
+    let top = largest(&weights).max(f64::MIN_POSITIVE);
+    let constraints: Vec<usize> = (0..weights.len()).filter(|&member| weights[member] > NAMED * top).collect();
     Some(Certificate {
-        multipliers: chosen.iter().map(|&row| z[row] / top).collect(),
-        rows: chosen,
+        multipliers: constraints.iter().map(|&member| weights[member] / top).collect(),
+        constraints,
         conflict: conflict / top,
         residual: largest(&image) / top,
+        relaxations: Vec::new(),
+        ray: z.iter().map(|value| value / top).collect(),
     })
 }

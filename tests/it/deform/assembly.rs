@@ -116,7 +116,7 @@ fn a_rigid_motion_with_its_own_rotation_costs_nothing() {
             let problem = deformer.problem(&rotations, &targets).unwrap();
             let coordinates = deformer.coordinates();
             let mut engine =
-                Engine::new(&problem.objective, Some(&problem.constraints.matrix), Some(&coordinates)).unwrap();
+                Engine::new(&problem.objective, Some(&problem.constraints.coupling()), Some(&coordinates)).unwrap();
             let minimum = engine.minimise(&problem.objective, &problem.fixed).unwrap();
             let off = minimum.x.iter().zip(&x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 1e-9, "{off}");

@@ -206,7 +206,7 @@ fn previews_come_at_every_step_with_rising_parameters_and_falling_violations() {
     let problem = matrices(3, 10, 3);
     for penalty in KINDS {
         let options = PenaltyOptions::with(penalty);
-        let mut engine = Engine::new(&problem.objective, Some(&problem.constraints.matrix), None).unwrap();
+        let mut engine = Engine::new(&problem.objective, Some(&problem.constraints.coupling()), None).unwrap();
         let (mut seen, mut levels) = (Vec::new(), Vec::new());
         let solution = engine
             .solve_penalty(&problem, None, &Settings::default(), &options, &mut |preview| {
@@ -230,7 +230,7 @@ fn the_published_schedule_runs_to_its_end() {
     let problem = rising(40, 9);
     let exact = solved(&problem);
     let options = PenaltyOptions { until: Until::Limit, ..PenaltyOptions::default() };
-    let mut engine = Engine::new(&problem.objective, Some(&problem.constraints.matrix), None).unwrap();
+    let mut engine = Engine::new(&problem.objective, Some(&problem.constraints.coupling()), None).unwrap();
     let mut last = 0.0;
     let solution = engine
         .solve_penalty(&problem, None, &Settings::default(), &options, &mut |preview| last = preview.tau)
@@ -277,7 +277,7 @@ fn contradictions_are_never_solved() {
             let solution = by_penalty(&problem, penalty);
             let QpStatus::Infeasible(certificate) = &solution.status else { panic!("{penalty:?} {:?}", solution.status) };
             assert!(certificate.conflict < 0.0 && certificate.residual < 1e-5, "{certificate:?}");
-            assert!(!certificate.rows.is_empty());
+            assert!(!certificate.constraints.is_empty() && certificate.ray.len() == problem.constraints.offset.len());
         }
     }
 }
