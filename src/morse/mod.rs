@@ -5,6 +5,7 @@
 
 mod complex;
 mod curve;
+mod diagram;
 mod error;
 mod extremum_graph;
 mod forest;
@@ -17,6 +18,9 @@ mod v_paths;
 
 pub use complex::MorseComplex;
 pub use curve::{PersistenceCurve, PersistenceGap};
+pub use diagram::{
+    DiagramStage, PersistenceDiagram, PersistencePair, diagram_of_gradient, diagram_of_gradient_by_stage, persistence_diagram,
+};
 pub use error::MorseError;
 pub use extremum_graph::{Cancellation, ExtremumGraph, Saddle};
 pub use gradient::{Cell, DiscreteGradient, Pairing, discrete_gradient};

@@ -2,6 +2,7 @@
 
 mod brute;
 mod complex;
+mod diagram;
 mod gradient;
 pub mod meshes;
 mod pairs;
