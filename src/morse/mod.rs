@@ -23,7 +23,8 @@ pub use diagram::{
 };
 pub use error::MorseError;
 pub use extremum_graph::{Cancellation, ExtremumGraph, Saddle};
-pub use gradient::{Cell, DiscreteGradient, Pairing, discrete_gradient};
+pub use crate::mesh::Cell;
+pub use gradient::{DiscreteGradient, Pairing, discrete_gradient};
 pub use pairs::{ExtremumKind, ExtremumPair, extremum_pairs};
 pub use selection::{Selection, Threshold, WantedExtrema, range, reported_persistences, select};
 pub use skeleton::{Separatrices, separatrices};
