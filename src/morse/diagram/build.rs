@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::field::VertexOrder;
-use crate::mesh::SimplicialComplex;
+use crate::mesh::{SimplicialComplex, Triangulation};
 
 use super::super::error::MorseError;
 use super::super::gradient::{DiscreteGradient, discrete_gradient};
@@ -54,18 +54,18 @@ pub fn persistence_diagram(complex: &SimplicialComplex, order: &VertexOrder) -> 
 /// The persistence diagram of a vertex order whose gradient is there already.
 ///
 /// # Arguments
-/// * `complex`, `order`: as in [`persistence_diagram`].
+/// * `mesh`, `order`: as in [`persistence_diagram`].
 /// * `gradient`: what [`discrete_gradient`] made of the two; one with cancelled pairs does not follow the order and gives
 ///   a diagram of no meaning.
 ///
 /// # Cost
 /// As [`persistence_diagram`], without the gradient.
-pub fn diagram_of_gradient(
-    complex: &SimplicialComplex,
+pub fn diagram_of_gradient<T: Triangulation>(
+    mesh: &T,
     order: &VertexOrder,
     gradient: &DiscreteGradient,
 ) -> PersistenceDiagram {
-    diagram_of_gradient_by_stage(complex, order, gradient, &mut |_| {})
+    diagram_of_gradient_by_stage(mesh, order, gradient, &mut |_| {})
 }
 
 /// A part of the work for a diagram that is done.
@@ -86,15 +86,15 @@ pub enum DiagramStage {
 /// [`diagram_of_gradient`] that tells of every stage that is done.
 ///
 /// # Arguments
-/// * `complex`, `order`, `gradient`: as there.
+/// * `mesh`, `order`, `gradient`: as there.
 /// * `done`: called after each stage.
-pub fn diagram_of_gradient_by_stage(
-    complex: &SimplicialComplex,
+pub fn diagram_of_gradient_by_stage<T: Triangulation>(
+    mesh: &T,
     order: &VertexOrder,
     gradient: &DiscreteGradient,
     done: &mut dyn FnMut(DiagramStage),
 ) -> PersistenceDiagram {
-    let landscape = Landscape::new(complex, order, gradient);
+    let landscape = Landscape::new(mesh, order, gradient);
     let dimension = landscape.dimension();
     let critical: Vec<CriticalCells> = (0..=dimension).map(|dimension| CriticalCells::new(&landscape, dimension)).collect();
     let mut matching = Matching::new(&critical);
@@ -149,7 +149,7 @@ impl<'a> Matching<'a> {
     }
 
     /// Pairs by reduction all cells of one dimension that begin no class with cells of the dimension below.
-    fn reduce(&mut self, landscape: &Landscape<'_>, dimension: usize) {
+    fn reduce<T: Triangulation>(&mut self, landscape: &Landscape<'_, T>, dimension: usize) {
         let columns = &self.critical[dimension];
         let (rows, is_closed) = (&self.critical[dimension - 1], self.ends[dimension - 1].clone());
         let places: Vec<u32> =
@@ -160,7 +160,7 @@ impl<'a> Matching<'a> {
         }
     }
 
-    fn diagram(self, landscape: &Landscape<'_>) -> PersistenceDiagram {
+    fn diagram<T: Triangulation>(self, landscape: &Landscape<'_, T>) -> PersistenceDiagram {
         let mut pairs: Vec<(Ranks, PersistencePair)> = Vec::new();
         let (mut critical_counts, mut instant_counts) = ([0; 4], [0; 4]);
         for (dimension, cells) in self.critical.iter().enumerate() {
@@ -171,15 +171,15 @@ impl<'a> Matching<'a> {
                 let birth = cells.cell(place as u32);
                 let ranks = landscape.ranks(birth);
                 let death = self.deaths[dimension][place].map(|place| self.critical[dimension + 1].cell(place));
-                let top = death.map(|death| landscape.ranks(death)[0]);
+                let level = death.map(|death| landscape.level(death));
                 let pair = PersistencePair {
                     birth,
                     death,
-                    birth_vertex: landscape.vertex_of_rank(ranks[0]),
-                    death_vertex: top.map(|rank| landscape.vertex_of_rank(rank)),
+                    birth_vertex: landscape.vertex_at(ranks[0]),
+                    death_vertex: level.map(|level| landscape.vertex_at(level)),
                     dimension: dimension as u8,
                 };
-                (top != Some(ranks[0])).then_some((ranks, pair))
+                (level != Some(ranks[0])).then_some((ranks, pair))
             }));
             let births = self.ends[dimension].iter().filter(|&&ends| !ends).count();
             instant_counts[dimension] = births - (pairs.len() - listed);

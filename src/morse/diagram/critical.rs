@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::super::gradient::Cell;
+use crate::mesh::{Cell, Triangulation};
+
 use super::landscape::{Landscape, Ranks};
 
 /// The critical cells of one dimension.
@@ -19,7 +20,7 @@ pub(super) struct CriticalCells {
 }
 
 impl CriticalCells {
-    pub(super) fn new(landscape: &Landscape<'_>, dimension: usize) -> Self {
+    pub(super) fn new<T: Triangulation>(landscape: &Landscape<'_, T>, dimension: usize) -> Self {
         let by_number = landscape.critical(dimension);
         let cell = |index| Cell { dimension: dimension as u8, index };
         let mut keyed: Vec<(Ranks, u32)> =

@@ -3,7 +3,9 @@
 use rayon::prelude::*;
 
 use super::super::forest::Forest;
-use super::super::gradient::{Cell, Pairing};
+use crate::mesh::{Cell, Triangulation};
+
+use super::super::gradient::Pairing;
 use super::critical::CriticalCells;
 use super::flow::{Flow, Step};
 use super::landscape::{Landscape, Sides};
@@ -16,8 +18,8 @@ use super::landscape::{Landscape, Sides};
 /// # Source
 /// Guillou, Vidal, Tierny 2023, section 4.1 (critical edges only, by their two V-paths); the elder rule as in
 /// Edelsbrunner, Harer 2010, section VII.2.
-pub(super) fn minima_with_edges(
-    landscape: &Landscape<'_>,
+pub(super) fn minima_with_edges<T: Triangulation>(
+    landscape: &Landscape<'_, T>,
     minima: &CriticalCells,
     edges: &CriticalCells,
 ) -> Vec<Option<u32>> {
@@ -49,7 +51,11 @@ pub(super) fn minima_with_edges(
 ///
 /// # Source
 /// Guillou, Vidal, Tierny 2023, section 4.2.
-pub(super) fn facets_with_tops(landscape: &Landscape<'_>, facets: &CriticalCells, tops: &CriticalCells) -> Vec<Option<u32>> {
+pub(super) fn facets_with_tops<T: Triangulation>(
+    landscape: &Landscape<'_, T>,
+    facets: &CriticalCells,
+    tops: &CriticalCells,
+) -> Vec<Option<u32>> {
     const OUTSIDE: u32 = 0;
     let dimension = landscape.dimension();
     let count = tops.len() as u32;

@@ -1,12 +1,9 @@
 //! What the diagram needs to know of a mesh, a vertex order and a discrete gradient.
 
-use rayon::prelude::*;
-
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::SimplicialComplex;
+use crate::mesh::{Cell, Triangulation};
 
-use super::super::gradient::{Cell, DiscreteGradient, Pairing};
-use super::super::v_paths;
+use super::super::gradient::{DiscreteGradient, Pairing};
 
 /// Ranks of the vertices of a cell plus one, highest first, padded with 0. Arrays compare as the field compares the
 /// cells: by their vertices from the highest on, a face before its cofaces.
@@ -24,50 +21,24 @@ pub(super) enum Sides {
 }
 
 /// A mesh, an order of its vertices and the gradient of that order.
-pub(super) struct Landscape<'a> {
-    complex: &'a SimplicialComplex,
+pub(super) struct Landscape<'a, T> {
+    mesh: &'a T,
     order: &'a VertexOrder,
     gradient: &'a DiscreteGradient,
-    sides: Vec<[u32; 2]>,
 }
 
-const NOBODY: u32 = u32::MAX;
-const MANY: u32 = u32::MAX - 1;
-
-impl<'a> Landscape<'a> {
-    pub(super) fn new(complex: &'a SimplicialComplex, order: &'a VertexOrder, gradient: &'a DiscreteGradient) -> Self {
-        let top = complex.dimension() as u8;
-        let mut sides = Vec::new();
-        if top > 1 {
-            let facets = if top == 2 { complex.edges().len() } else { complex.triangles().len() };
-            sides = vec![[NOBODY; 2]; facets];
-            for index in 0..complex.simplex_count() as u32 {
-                // Top triangles are numbered as triangles, not in the order given.
-                for facet in v_paths::facets(complex, Cell { dimension: top, index }) {
-                    let slot = &mut sides[facet.index as usize];
-                    match slot {
-                        [NOBODY, _] => slot[0] = index,
-                        [_, NOBODY] => slot[1] = index,
-                        _ => *slot = [MANY; 2],
-                    }
-                }
-            }
-        }
-        Self { complex, order, gradient, sides }
+impl<'a, T: Triangulation> Landscape<'a, T> {
+    pub(super) fn new(mesh: &'a T, order: &'a VertexOrder, gradient: &'a DiscreteGradient) -> Self {
+        Self { mesh, order, gradient }
     }
 
     pub(super) fn dimension(&self) -> usize {
-        self.complex.dimension()
+        self.mesh.dimension()
     }
 
     /// One more than the greatest number of a cell.
     pub(super) fn numbers(&self, dimension: usize) -> usize {
-        match dimension {
-            0 => self.complex.vertex_count(),
-            1 => self.complex.edges().len(),
-            2 => self.complex.triangles().len(),
-            _ => self.complex.simplex_count(),
-        }
+        self.mesh.cell_bound(dimension)
     }
 
     /// The critical cells of one dimension by rising number.
@@ -81,42 +52,65 @@ impl<'a> Landscape<'a> {
 
     pub(super) fn ranks(&self, cell: Cell) -> Ranks {
         let mut ranks = [0; 4];
-        let index = cell.index as usize;
-        let mut fill = |vertices: &[VertexId]| {
-            for (slot, &vertex) in ranks.iter_mut().zip(vertices) {
-                *slot = self.order.rank(vertex) + 1;
-            }
-        };
-        match cell.dimension {
-            0 => fill(&[VertexId(cell.index)]),
-            1 => fill(&self.complex.edges()[index]),
-            2 => fill(&self.complex.triangles()[index]),
-            _ => fill(&[0, 1, 2, 3].map(|corner| VertexId(self.complex.simplex(index)[corner]))),
+        for (slot, vertex) in ranks.iter_mut().zip(self.mesh.cell_vertices(cell)) {
+            *slot = self.order.rank(vertex) + 1;
         }
         ranks.sort_unstable_by(|a, b| b.cmp(a));
         ranks
     }
 
-    pub(super) fn vertex_of_rank(&self, rank_plus_one: u32) -> VertexId {
-        self.order.sequence()[rank_plus_one as usize - 1]
+    /// Rank plus one of the highest vertex of a cell.
+    pub(super) fn level(&self, cell: Cell) -> u32 {
+        self.mesh.cell_vertices(cell).iter().fold(0, |level, &vertex| level.max(self.order.rank(vertex) + 1))
+    }
+
+    /// The vertex with the level of its lower star.
+    pub(super) fn vertex_at(&self, level: u32) -> VertexId {
+        self.order.sequence()[level as usize - 1]
     }
 
     /// Facets of a cell.
     pub(super) fn facets(&self, cell: Cell) -> impl Iterator<Item = Cell> {
-        v_paths::facets(self.complex, cell)
+        self.mesh.facets(cell)
+    }
+
+    /// Facets of a cell with their levels.
+    pub(super) fn facets_with_levels(&self, cell: Cell) -> impl Iterator<Item = (Cell, u32)> {
+        let corners = self.mesh.cell_vertices(cell);
+        let (mut first, mut second, mut highest) = (0, 0, 0);
+        for (place, &corner) in corners.iter().enumerate() {
+            let level = self.order.rank(corner) + 1;
+            if level > first {
+                (first, second, highest) = (level, first, place);
+            } else {
+                second = second.max(level);
+            }
+        }
+        // Facets come without the last vertex first.
+        let lower = corners.len() - 1 - highest;
+        self.mesh.facets(cell).enumerate().map(move |(at, facet)| (facet, if at == lower { second } else { first }))
     }
 
     /// Whether every facet of a top cell is on one or two of them.
     pub(super) fn is_dual_a_graph(&self) -> bool {
-        self.sides.par_iter().all(|sides| sides[0] != MANY)
+        if self.mesh.lattice().is_some() {
+            return true;
+        }
+        let mut sides = vec![0u8; self.numbers(self.dimension() - 1)];
+        for facet in self.mesh.cells(self.dimension()).flat_map(|top| self.mesh.facets(top)) {
+            let count = &mut sides[facet.index as usize];
+            *count = count.saturating_add(1);
+        }
+        sides.iter().all(|&count| count <= 2)
     }
 
     /// The top cells at a facet.
     pub(super) fn sides(&self, facet: u32) -> Sides {
-        match self.sides[facet as usize] {
-            [MANY, _] => Sides::More,
-            [one, NOBODY] => Sides::One(one),
-            [one, other] => Sides::Two(one, other),
+        let mut tops = self.mesh.cofacets(Cell { dimension: self.dimension() as u8 - 1, index: facet });
+        match (tops.next(), tops.next(), tops.next()) {
+            (Some(one), None, _) => Sides::One(one.index),
+            (Some(one), Some(other), None) => Sides::Two(one.index, other.index),
+            _ => Sides::More,
         }
     }
 }

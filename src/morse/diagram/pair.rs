@@ -1,9 +1,9 @@
 //! The diagram as data: pairs, essential classes, counts.
 
 use crate::field::VertexId;
+use crate::mesh::Cell;
 
 use super::super::error::MorseError;
-use super::super::gradient::Cell;
 
 /// A homology class of the sublevel sets: born with one critical cell, dead with another one, or never.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::super::gradient::{Cell, Pairing};
+use crate::mesh::{Cell, Triangulation};
+
+use super::super::gradient::Pairing;
 use super::column::{Column, Entry, Kind};
 use super::critical::CriticalCells;
 use super::landscape::Landscape;
@@ -17,8 +19,8 @@ struct Kept {
 }
 
 /// The Morse boundary between critical cells of two neighbouring dimensions.
-pub(super) struct Boundary<'a> {
-    pub(super) landscape: &'a Landscape<'a>,
+pub(super) struct Boundary<'a, T> {
+    pub(super) landscape: &'a Landscape<'a, T>,
     /// The lower cells.
     pub(super) rows: &'a CriticalCells,
     /// By place: rows that are known to end classes, not to begin them. They never are the highest of a reduced column,
@@ -28,7 +30,7 @@ pub(super) struct Boundary<'a> {
     pub(super) columns: &'a CriticalCells,
 }
 
-impl Boundary<'_> {
+impl<T: Triangulation> Boundary<'_, T> {
     /// Pairs rows with columns.
     ///
     /// A column starts as the boundary of its critical cell. Its highest cell is followed down the gradient, until it is
@@ -98,15 +100,15 @@ impl Boundary<'_> {
 
     /// Adds the facets of a cell but for one, without those in which no V-path goes on.
     fn add_boundary(&self, cell: Cell, but: Option<Cell>, work: &mut Column) {
-        for facet in self.landscape.facets(cell).filter(|&facet| Some(facet) != but) {
+        for (facet, level) in self.landscape.facets_with_levels(cell).filter(|&(facet, _)| Some(facet) != but) {
             match self.landscape.pairing(facet) {
                 Pairing::Critical => {
                     let place = self.rows.place(facet.index);
                     if !self.is_closed[place as usize] {
-                        work.add(Entry::row(self.landscape.ranks(facet)[0], place));
+                        work.add(Entry::row(level, place));
                     }
                 }
-                Pairing::Up(_) => work.add(Entry::passing(self.landscape.ranks(facet)[0], facet.index)),
+                Pairing::Up(_) => work.add(Entry::passing(level, facet.index)),
                 Pairing::Down(_) | Pairing::Outside => {}
             }
         }
