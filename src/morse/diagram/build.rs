@@ -187,6 +187,7 @@ impl<'a> Matching<'a> {
         // No two cells have the same vertices, so an unstable sort has one possible result.
         pairs.par_sort_unstable_by_key(|&(ranks, _)| ranks);
         let pairs = pairs.into_iter().map(|(_, pair)| pair).collect();
-        PersistenceDiagram { dimension: landscape.dimension(), pairs, critical_counts, instant_counts }
+        let (dimension, highest_vertex) = (landscape.dimension(), landscape.highest_vertex());
+        PersistenceDiagram { dimension, pairs, critical_counts, instant_counts, highest_vertex }
     }
 }

@@ -34,8 +34,9 @@ pub(super) fn minima_with_edges<T: Triangulation>(
         .cells()
         .par_iter()
         .map(|&index| {
-            let mut ends = landscape.facets(Cell { dimension: 1, index });
-            [(); 2].map(|()| flow.end(ends.next().expect("an edge has two ends").index))
+            let mut ends = landscape.facets(Cell { dimension: 1, index }).map(|end| flow.end(end.index));
+            let mut next = || ends.next().expect("an edge has two ends");
+            [next(), next()]
         })
         .collect();
     elders(minima.len(), arcs.into_iter().enumerate().map(|(place, ends)| (place as u32, ends)))

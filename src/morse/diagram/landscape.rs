@@ -69,6 +69,12 @@ impl<'a, T: Triangulation> Landscape<'a, T> {
         self.order.sequence()[level as usize - 1]
     }
 
+    /// The highest vertex that is no vertex without simplices.
+    pub(super) fn highest_vertex(&self) -> Option<VertexId> {
+        let is_inside = |&vertex: &VertexId| self.pairing(Cell::vertex(vertex)) != Pairing::Outside;
+        self.order.sequence().iter().copied().rev().find(is_inside)
+    }
+
     /// Facets of a cell.
     pub(super) fn facets(&self, cell: Cell) -> impl Iterator<Item = Cell> {
         self.mesh.facets(cell)

@@ -5,8 +5,9 @@
 //! * In three dimensions, the critical edges and triangles that are left are paired by reduction of the Morse boundary.
 //!   So is the last dimension of domains that are no manifolds along facets.
 //!
-//! TTK writes the same pairs to files but for one convention: the class of the global minimum, which never dies, is paired
-//! with the global maximum and marked as not finite, and other essential classes are left out.
+//! TTK (`PersistenceDiagram`, Discrete Morse Sandwich) lists the same pairs. It gives every essential class the global
+//! maximum, [`PersistenceDiagram::highest_vertex`], as death and marks it as not finite, so that its pair 0 is that of the
+//! global minimum with the global maximum; classes of dimension 3 it does not list.
 
 mod build;
 mod column;

@@ -45,6 +45,7 @@ pub struct PersistenceDiagram {
     pub(super) pairs: Vec<PersistencePair>,
     pub(super) critical_counts: [usize; 4],
     pub(super) instant_counts: [usize; 4],
+    pub(super) highest_vertex: Option<VertexId>,
 }
 
 impl PersistenceDiagram {
@@ -73,6 +74,11 @@ impl PersistenceDiagram {
     /// Number of classes that never die, by dimension: components, tunnels, cavities of the domain (modulo 2).
     pub fn betti_numbers(&self) -> [usize; 4] {
         self.counts(PersistencePair::is_essential)
+    }
+
+    /// The global maximum, on the boundary or not: where TTK lets essential classes end. `None` without any cell.
+    pub fn highest_vertex(&self) -> Option<VertexId> {
+        self.highest_vertex
     }
 
     /// Number of critical cells by dimension of the gradient from which the diagram was read.

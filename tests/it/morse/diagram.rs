@@ -131,6 +131,7 @@ fn a_cavity_and_a_tunnel_live_from_their_wall_to_their_filling() {
     assert_eq!(flat.betti_numbers(), [1, 1, 0, 0]);
     assert_eq!(flat.finite_counts(), [0; 4]);
     assert_eq!(flat.pairs()[0].birth, Cell::vertex(VertexId(0)));
+    assert_eq!(flat.highest_vertex(), Some(VertexId(143)));
 }
 
 /// Whether two diagrams of one dimension can be matched so that no end moves by more than `distance`; what is left
