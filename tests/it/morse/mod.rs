@@ -3,6 +3,7 @@
 mod brute;
 mod complex;
 mod gradient;
+mod grids;
 pub mod meshes;
 mod pairs;
 mod selection;
