@@ -4,6 +4,7 @@ mod brute;
 mod complex;
 mod diagram;
 mod gradient;
+mod grids;
 pub mod meshes;
 mod pairs;
 mod selection;
