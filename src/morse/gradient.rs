@@ -271,6 +271,17 @@ impl DiscreteGradient {
         }
     }
 
+    /// Pairs a cell with one of its cofacets.
+    pub(super) fn pair(&mut self, lower: Cell, upper: Cell) {
+        self.partners[lower.dimension as usize][lower.index as usize] = upper.index;
+        self.partners[upper.dimension as usize][upper.index as usize] = lower.index | DOWN;
+    }
+
+    /// Makes a cell critical; whoever was paired with it must be given another partner.
+    pub(super) fn release(&mut self, cell: Cell) {
+        self.partners[cell.dimension as usize][cell.index as usize] = CRITICAL;
+    }
+
     /// The critical vertex at the end of [`descent`](Self::descent).
     pub fn descent_end(&self, complex: &SimplicialComplex, vertex: VertexId) -> VertexId {
         let mut last = vertex;

@@ -2,6 +2,8 @@
 
 mod brute;
 mod complex;
+mod hierarchy;
+mod morse_smale;
 mod gradient;
 pub mod meshes;
 mod pairs;
