@@ -7,8 +7,8 @@
 use rayon::prelude::*;
 
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::{Domain, SimplicialComplex};
-use crate::morse::{Cell, CriticalPoint, LineKind, MorseSmaleComplex, SeparatrixLine};
+use crate::mesh::{Cell, Domain, Triangulation};
+use crate::morse::{CriticalPoint, LineKind, MorseSmaleComplex, SeparatrixLine};
 
 use super::array::{ArrayData, DataArray};
 use super::dataset::{Attributes, CellArray, DataSet, Geometry, Role};
@@ -35,9 +35,9 @@ pub enum TtkError {
 
 /// What the arrays are made from.
 #[derive(Debug)]
-pub struct TtkComplex<'a> {
+pub struct TtkComplex<'a, T> {
     /// The `n` vertices and their cells.
-    pub triangulation: &'a SimplicialComplex,
+    pub triangulation: &'a T,
     /// Order of the vertices.
     pub order: &'a VertexOrder,
     /// The field on all points of the file, in the type and under the name that critical points carry on.
@@ -102,7 +102,7 @@ fn cells_of_tops(domain: &Domain) -> Vec<u32> {
     cell_of_top
 }
 
-impl TtkComplex<'_> {
+impl<T: Triangulation> TtkComplex<'_, T> {
     /// Critical points (port 0 of TTK's filter): one vertex cell a point.
     ///
     /// Point arrays: `CellDimension` (Int8, active), `CellId` (Int32), the field at the highest vertex (its own name and
@@ -246,24 +246,14 @@ impl TtkComplex<'_> {
             self.scalar.data.number(at).unwrap_or(f64::NAN)
         };
         let by_rank = |vertex: &VertexId| self.order.rank(*vertex);
-        let vertices = ends.iter().flat_map(|point| corners(self.triangulation, point.cell));
+        let vertices = ends.iter().flat_map(|point| self.triangulation.cell_vertices(point.cell));
         [value(vertices.clone().min_by_key(by_rank)), value(vertices.max_by_key(by_rank))]
     }
 
     fn position(&self, cell: Cell) -> [f32; 3] {
         let points: Vec<[f64; 3]> =
-            corners(self.triangulation, cell).into_iter().map(|corner| self.triangulation.point(corner)).collect();
+            self.triangulation.cell_vertices(cell).into_iter().map(|corner| self.triangulation.point(corner)).collect();
         incentre(&points).map(|coordinate| coordinate as f32)
-    }
-}
-
-fn corners(complex: &SimplicialComplex, cell: Cell) -> Vec<VertexId> {
-    let index = cell.index as usize;
-    match cell.dimension {
-        0 => vec![VertexId(cell.index)],
-        1 => complex.edges()[index].to_vec(),
-        2 => complex.triangles()[index].to_vec(),
-        _ => complex.simplex(index).iter().map(|&corner| VertexId(corner)).collect(),
     }
 }
 

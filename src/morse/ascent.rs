@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::mesh::SimplicialComplex;
+use crate::mesh::{Cell, Triangulation};
 
-use super::gradient::{Cell, DiscreteGradient, Pairing};
+use super::gradient::{DiscreteGradient, Pairing};
 use super::jump::roots;
 use super::star::cofacets;
 
@@ -28,8 +28,8 @@ pub(super) enum Step {
 }
 
 /// One step up from a top cell.
-pub(super) fn step(
-    complex: &SimplicialComplex,
+pub(super) fn step<T: Triangulation>(
+    complex: &T,
     gradient: &DiscreteGradient,
     top: Cell,
     around: &mut Vec<Cell>,
@@ -47,8 +47,8 @@ pub(super) fn step(
 
 /// The V-path up from a facet through one of its top cells: facets and top cells in turn, that facet first. A path that
 /// ends on the boundary ends in its facet.
-pub(super) fn path(
-    complex: &SimplicialComplex,
+pub(super) fn path<T: Triangulation>(
+    complex: &T,
     gradient: &DiscreteGradient,
     facet: Cell,
     top: Cell,
@@ -81,12 +81,16 @@ pub(super) const BRANCHING: u32 = u32::MAX;
 ///
 /// # Cost
 /// O(m log l) for m top cells and V-paths of length l, in parallel.
-pub(super) fn summits(complex: &SimplicialComplex, gradient: &DiscreteGradient) -> Vec<u32> {
+pub(super) fn summits<T: Triangulation>(complex: &T, gradient: &DiscreteGradient) -> Vec<u32> {
     let dimension = complex.dimension() as u8;
-    let next = (0..complex.simplex_count() as u32)
+    let next = (0..complex.cell_bound(complex.dimension()) as u32)
         .into_par_iter()
         .map_init(Vec::new, |around, index| {
-            match step(complex, gradient, Cell { dimension, index }, around) {
+            let top = Cell { dimension, index };
+            if !complex.is_cell(top) {
+                return OUTSIDE;
+            }
+            match step(complex, gradient, top, around) {
                 Step::On(_, next) => next.index,
                 Step::End(Summit::Critical(cell)) => cell.index,
                 Step::End(Summit::Boundary(_)) => OUTSIDE,

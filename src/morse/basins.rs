@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::SimplicialComplex;
+use crate::mesh::Triangulation;
 
 use super::error::MorseError;
 use super::forest::Forest;
@@ -66,8 +66,8 @@ impl BasinHierarchy {
     ///
     /// # Source
     /// Edelsbrunner, Harer, Zomorodian 2003 (cancellation in order of persistence).
-    pub fn new(
-        complex: &SimplicialComplex,
+    pub fn new<T: Triangulation>(
+        complex: &T,
         values: &[f64],
         order: &VertexOrder,
         kind: ExtremumKind,
@@ -83,12 +83,12 @@ impl BasinHierarchy {
         let steepest: Vec<u32> = (0..vertices)
             .into_par_iter()
             .map(|vertex| {
-                let lowest = |low: VertexId, &next: &VertexId| if order.is_below(next, low) { next } else { low };
-                complex.neighbours(vertex.into()).iter().fold(VertexId::from(vertex), lowest).0
+                let lowest = |low: VertexId, next: VertexId| if order.is_below(next, low) { next } else { low };
+                complex.neighbours(vertex.into()).fold(VertexId::from(vertex), lowest).0
             })
             .collect();
         let is_extremum =
-            |vertex: &VertexId| steepest[vertex.index()] == vertex.0 && !complex.neighbours(*vertex).is_empty();
+            |vertex: &VertexId| steepest[vertex.index()] == vertex.0 && complex.neighbours(*vertex).next().is_some();
         let extrema: Vec<VertexId> = (0..vertices).into_par_iter().map(VertexId::from).filter(is_extremum).collect();
         let mut place = vec![NONE; vertices];
         for (number, extremum) in extrema.iter().enumerate() {
@@ -179,8 +179,8 @@ struct Pass {
     other: u32,
 }
 
-fn merges(
-    complex: &SimplicialComplex,
+fn merges<T: Triangulation>(
+    complex: &T,
     values: &[f64],
     order: &VertexOrder,
     extrema: &[VertexId],
@@ -209,13 +209,13 @@ fn merges(
 }
 
 /// Where basins meet, by rising edge. Components of sublevel sets join only there.
-fn passes(complex: &SimplicialComplex, order: &VertexOrder, basin: &[u32]) -> Vec<Pass> {
+fn passes<T: Triangulation>(complex: &T, order: &VertexOrder, basin: &[u32]) -> Vec<Pass> {
     let mut passes: Vec<Pass> = (0..order.len())
         .into_par_iter()
         .fold(Vec::new, |mut passes: Vec<Pass>, vertex| {
             let (high, own, begin) = (order.ranks()[vertex], basin[vertex], passes.len());
             for neighbour in complex.neighbours(vertex.into()) {
-                let (low, other) = (order.rank(*neighbour), basin[neighbour.index()]);
+                let (low, other) = (order.rank(neighbour), basin[neighbour.index()]);
                 if low > high || other == own {
                     continue;
                 }

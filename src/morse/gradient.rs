@@ -5,53 +5,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use rayon::prelude::*;
 
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::{EdgeId, SimplicialComplex, TriangleId};
+use crate::mesh::{Cell, EdgeId, SimplicialComplex};
 
 use super::error::MorseError;
 use super::lower_star::LowerStar;
-
-/// A cell of a complex, by dimension and number.
-///
-/// Vertices, edges and triangles are numbered as in [`SimplicialComplex::edges`] and
-/// [`SimplicialComplex::triangles`], tetrahedra as the top simplices. An implicit grid can number its cells as it
-/// likes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Cell {
-    /// 0, 1, 2 or 3.
-    pub dimension: u8,
-    /// Place among the cells of this dimension.
-    pub index: u32,
-}
-
-impl Cell {
-    /// A cell of dimension 0.
-    pub const fn vertex(vertex: VertexId) -> Self {
-        Self { dimension: 0, index: vertex.0 }
-    }
-
-    /// A cell of dimension 1.
-    pub const fn edge(edge: EdgeId) -> Self {
-        Self { dimension: 1, index: edge.0 }
-    }
-
-    /// A cell of dimension 2.
-    pub const fn triangle(triangle: TriangleId) -> Self {
-        Self { dimension: 2, index: triangle.0 }
-    }
-
-    /// The highest vertex, the one in whose lower star the cell lies.
-    pub fn highest_vertex(self, complex: &SimplicialComplex, order: &VertexOrder) -> VertexId {
-        let highest = |vertices: &[VertexId]| vertices.iter().copied().max_by_key(|&vertex| order.rank(vertex));
-        let index = self.index as usize;
-        let vertex = match self.dimension {
-            0 => None,
-            1 => highest(&complex.edges()[index]),
-            2 => highest(&complex.triangles()[index]),
-            _ => highest(&[0, 1, 2, 3].map(|corner| VertexId(complex.simplex(index)[corner]))),
-        };
-        vertex.unwrap_or(VertexId(self.index))
-    }
-}
 
 /// What a discrete gradient does with a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::SimplicialComplex;
+use crate::mesh::{Cell, SimplicialComplex};
 
 use super::ascent::{self, BRANCHING, OUTSIDE, Summit};
 use super::basins::{BasinHierarchy, BasinMerge};
 use super::error::MorseError;
 use super::forest::Forest;
-use super::gradient::{Cell, DiscreteGradient, Pairing, discrete_gradient};
+use super::gradient::{DiscreteGradient, Pairing, discrete_gradient};
 use super::pairs::ExtremumKind;
 use super::segmentation::Segmentation;
 use super::selection::WantedExtrema;

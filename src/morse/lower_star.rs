@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use crate::field::{VertexId, VertexOrder};
 use crate::mesh::{EdgeId, SimplicialComplex};
 
-use super::gradient::Cell;
+use crate::mesh::Cell;
 
 /// A cell of the lower star of `v`, without `v`: places of its other vertices among the lower neighbours of `v` by
 /// rising rank, plus one, highest first, padded with 0. Arrays compare as the field compares the cells: by their

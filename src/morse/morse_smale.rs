@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::SimplicialComplex;
+use crate::mesh::{Cell, SimplicialComplex};
 
 use super::ascent::{self, Summit};
-use super::gradient::{Cell, DiscreteGradient};
+use super::gradient::DiscreteGradient;
 use super::hierarchy::MorseHierarchy;
 use super::segmentation::{MorseSmaleSegmentation, Segmentation};
-use super::star::{cofacets, key, on_boundary, vertices};
+use super::star::{cofacets, key, on_boundary};
 use super::v_paths::separatrices_below;
 
 /// A critical cell, or a maximum on the boundary.
@@ -247,7 +247,7 @@ impl Tracer<'_> {
 
     /// Goes on from a facet of the boundary to a maximum, over vertices and edges.
     fn along_the_boundary(&self, facet: Cell, points: &[CriticalPoint], cells: &mut Vec<Cell>) -> Option<usize> {
-        let mut vertex = vertices(self.complex, facet).max_by_key(|&vertex| self.order.rank(vertex))?;
+        let mut vertex = facet.highest_vertex(self.complex, self.order);
         cells.push(Cell::vertex(vertex));
         let destination = self.first_maximum + self.maxima.label(vertex)? as usize;
         loop {
