@@ -28,6 +28,11 @@ pub enum Command {
     Smooth(Box<SmoothArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
+    /// Write the Morse–Smale complex: critical points, separatrices, segmentation, in the layout of TTK.
+    ///
+    /// Three files in the output directory, named after the input: ...CriticalPoints.vtp, ...1Separatrices.vtp, and
+    /// ...Segmentation with the input and three more arrays. Without a threshold the complex is not simplified.
+    Complex(crate::complex::ComplexArgs),
 }
 
 /// Which field of which file, on which part of the domain.
@@ -289,7 +294,7 @@ pub enum ValuesKind {
 }
 
 /// Reads `10%` or `0.1`.
-fn fraction(text: &str) -> Result<f64, String> {
+pub fn fraction(text: &str) -> Result<f64, String> {
     let number = |digits: &str| digits.trim().parse::<f64>().map_err(|_| format!("found '{text}'; expected a part such as 10% or 0.1"));
     let value = match text.trim().strip_suffix('%') {
         Some(digits) => number(digits)? / 100.0,
