@@ -11,8 +11,11 @@ mod number;
 mod output;
 mod pictures;
 mod report;
+mod simplify;
 mod smooth;
 mod talk;
+mod wishes;
+mod written;
 
 use std::process::ExitCode;
 
@@ -53,6 +56,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Info(args) => args.talk.threads,
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
+        Command::Simplify(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
@@ -68,6 +72,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Info(args) => info::run(args),
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),
+        Command::Simplify(args) => simplify::run(args),
         Command::Check(args) => check::run(args),
     }
 }
