@@ -5,21 +5,30 @@
 
 mod complex;
 mod curve;
+mod diagram;
 mod error;
 mod extremum_graph;
 mod forest;
 mod gradient;
+mod lattice_gradient;
+mod lattice_star;
+mod link;
 mod lower_star;
 mod pairs;
+mod partners;
 mod selection;
 mod skeleton;
 mod v_paths;
 
 pub use complex::MorseComplex;
 pub use curve::{PersistenceCurve, PersistenceGap};
+pub use diagram::{
+    DiagramStage, PersistenceDiagram, PersistencePair, diagram_of_gradient, diagram_of_gradient_by_stage, persistence_diagram,
+};
 pub use error::MorseError;
 pub use extremum_graph::{Cancellation, ExtremumGraph, Saddle};
-pub use gradient::{Cell, DiscreteGradient, Pairing, discrete_gradient};
+pub use crate::mesh::Cell;
+pub use gradient::{DiscreteGradient, Pairing, discrete_gradient};
 pub use pairs::{ExtremumKind, ExtremumPair, extremum_pairs};
 pub use selection::{Selection, Threshold, WantedExtrema, range, reported_persistences, select};
 pub use skeleton::{Separatrices, separatrices};

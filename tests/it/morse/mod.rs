@@ -2,7 +2,9 @@
 
 mod brute;
 mod complex;
+mod diagram;
 mod gradient;
+mod grids;
 pub mod meshes;
 mod pairs;
 mod selection;
