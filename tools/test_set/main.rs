@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! cargo run --release --example test_set -- FOLDER [only=NAME,NAME] [solve=yes|no] [large=yes|no]
-//! cargo run --release --example test_set -- run NAME OUT.json [repeats=3] [method=interior|penalty]
+//! cargo run --release --example test_set -- run NAME OUT.json [repeats=3] [method=interior|penalty|published]
 //! ```
 //!
 //! The first form writes `FOLDER/NAME/{P,L,A}.mtx`, `problem.json` and, for matrix cones, `problem.cbf`; README.md beside this file
 //! documents them. `large=yes` adds problems of 250,000 and 1,000,000 unknowns, without P.mtx. The second form makes the problem
-//! anew, solves it and writes the solution alone, with the times of this run: best of `repeats`.
+//! anew, solves it and writes the solution alone, with the times of this run: best of `repeats`. Method `penalty` is penalty
+//! continuation to the same accuracy, `published` runs it to the end of its schedule.
 #![allow(clippy::print_stderr, clippy::expect_used, clippy::unwrap_used)]
 
 mod cbf;
@@ -26,7 +27,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use morsmooth::deform::DeformOptions;
-use morsmooth::qp::{Engine, PenaltyOptions, Settings};
+use morsmooth::qp::{Engine, PenaltyOptions, Settings, Until};
 use serde_json::{Value, json};
 
 use export::Formed;
@@ -96,6 +97,10 @@ fn solve(made: &Made, repeats: usize, method: &str) -> Result<Value, Box<dyn Err
     let settings = Settings::default();
     let (seconds, solution) = best(repeats, || match method {
         "penalty" => engine.solve_penalty(&made.problem, None, &settings, &PenaltyOptions::default(), &mut |_| {}),
+        "published" => {
+            let options = PenaltyOptions { until: Until::Limit, ..PenaltyOptions::default() };
+            engine.solve_penalty(&made.problem, None, &settings, &options, &mut |_| {})
+        }
         _ => engine.solve(&made.problem, made.start.as_deref(), &settings, &mut |_| {}),
     })?;
     let mut value = export::solution(&solution);
