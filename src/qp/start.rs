@@ -1,5 +1,6 @@
 //! Where the interior point begins.
 
+use super::centred::split;
 use super::conflict::contradiction;
 use super::interior::Interior;
 use super::problem::{finite, length};
@@ -20,6 +21,8 @@ const WARM_FLOOR: f64 = 1e-4;
 #[derive(Clone, Copy)]
 pub(super) enum Start<'a> {
     Cold,
+    /// The minimiser without rows again, slacks lifted to one floor: another way into a problem that was left unsolved.
+    Lifted,
     Point(&'a [f64]),
     Warm { x: &'a [f64], dual: &'a [f64] },
 }
@@ -77,6 +80,9 @@ pub(super) fn initial(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(
     let least = interior.point.s.iter().copied().fold(f64::INFINITY, f64::min);
     interior.is_feasible |= matches!(start, Start::Point(_)) && least >= 0.0;
     let inside = least > INSIDE * unit;
+    if interior.rows.is_polyhedral() && matches!(start, Start::Cold | Start::Point(_)) && !(inside && matches!(start, Start::Point(_))) {
+        return split(interior);
+    }
     let floor = match start {
         // A start well inside the cone is taken as it is.
         Start::Point(_) if inside => 0.0,
