@@ -258,6 +258,11 @@ impl Engine {
         self.diagonal.iter().map(|&slot| self.base[slot as usize]).fold(0.0, f64::max)
     }
 
+    /// The diagonal entry of the quadratic form at an unknown.
+    pub(super) fn diagonal_of(&self, unknown: usize) -> f64 {
+        self.base[self.diagonal[unknown] as usize]
+    }
+
     /// Zero at the fixed unknowns.
     pub(super) fn mask(&self, vector: &mut [f64]) {
         for (slot, &fixed) in vector.iter_mut().zip(&self.is_fixed) {

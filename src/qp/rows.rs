@@ -222,6 +222,19 @@ impl Rows {
         rows.max(self.two.largest_image(x)).max(self.three.largest_image(x))
     }
 
+    /// The trace of `A diag(1/d) Aᵀ` over the nonnegative rows; see [`Blocks::compliance`].
+    pub fn compliance(&self, stiffness: impl Fn(usize) -> f64) -> f64 {
+        let one = |row: usize| {
+            let (columns, values) = self.matrix.row(row);
+            let parts = columns.iter().zip(values).map(|(&column, value)| match stiffness(column as usize) {
+                d if d > 0.0 => value * value / d,
+                _ => 0.0,
+            });
+            parts.sum::<f64>()
+        };
+        (0..self.order).map(one).sum()
+    }
+
     /// `y += a Aᵀ z`, rows in order.
     pub fn add_transposed(&self, a: f64, z: &[f64], y: &mut [f64]) {
         for (row, z) in z[..self.order].iter().enumerate() {
