@@ -9,7 +9,8 @@ use rayon::prelude::*;
 
 use crate::mesh::SimplicialComplex;
 
-use super::gradient::{Cell, DiscreteGradient};
+use crate::mesh::Cell;
+use super::gradient::{DiscreteGradient};
 use super::v_paths::{Separatrix, separatrices_below};
 
 /// The Morse complex of a discrete gradient: a graph of critical cells and the separatrices between them.

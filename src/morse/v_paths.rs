@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use crate::field::VertexId;
 use crate::mesh::SimplicialComplex;
 
-use super::gradient::{Cell, DiscreteGradient, Pairing};
+use crate::mesh::Cell;
+use super::gradient::{DiscreteGradient, Pairing};
 
 /// Up to this number, V-paths between the same two critical cells become separatrices of their own. On a manifold no more
 /// than two lead to a critical vertex from an edge, or to a critical facet from a top cell; only the connections

@@ -253,6 +253,18 @@ impl Engine {
         })
     }
 
+    /// The diagonal of the quadratic form on the free unknowns, 1 at the fixed ones.
+    pub(super) fn diagonal_values(&self) -> Vec<f64> {
+        self.diagonal.iter().map(|&slot| self.base[slot as usize]).collect()
+    }
+
+    /// Adds a part of itself to each diagonal entry of the values.
+    pub(super) fn shift_values(&mut self, relative: f64) {
+        for &slot in &self.diagonal {
+            self.values[slot as usize] *= 1.0 + relative;
+        }
+    }
+
     /// Largest diagonal entry of the values, which is their largest entry.
     pub(super) fn largest_diagonal(&self) -> f64 {
         self.diagonal.iter().map(|&slot| self.base[slot as usize]).fold(0.0, f64::max)

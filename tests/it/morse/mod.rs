@@ -2,7 +2,11 @@
 
 mod brute;
 mod complex;
+mod diagram;
+mod hierarchy;
+mod morse_smale;
 mod gradient;
+mod grids;
 pub mod meshes;
 mod pairs;
 mod selection;
