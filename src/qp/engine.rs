@@ -260,7 +260,7 @@ impl Engine {
 
     /// Adds a part of itself to each diagonal entry of the values.
     pub(super) fn shift_values(&mut self, relative: f64) {
-        for &slot in &self.diagonal {
+        for &slot in self.diagonal.iter() {
             self.values[slot as usize] *= 1.0 + relative;
         }
     }
