@@ -1,5 +1,7 @@
 //! One pattern, analysed once: the quadratic form in it, its factor, and solves refined in product form.
 
+use std::sync::Arc;
+
 use crate::linalg::{Cholesky, CsrMatrix, FactorError, SymbolicCholesky, fill_reducing_order};
 
 use super::problem::check_fixed;
@@ -21,12 +23,12 @@ const SHIFTS: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
 /// rows of the identity.
 pub struct Engine {
     unknowns: usize,
-    pub(super) symbolic: SymbolicCholesky,
+    pub(super) symbolic: Arc<SymbolicCholesky>,
     pub(super) factor: Cholesky,
-    diagonal: Vec<u32>,
+    diagonal: Arc<[u32]>,
     /// Row and column of each stored value.
-    places: Vec<(u32, u32)>,
-    formed: Vec<Formed>,
+    places: Arc<[(u32, u32)]>,
+    formed: Vec<Arc<Formed>>,
     /// The quadratic form on the free unknowns, identity on the fixed ones.
     base: Vec<f64>,
     pub(super) values: Vec<f64>,
@@ -34,6 +36,8 @@ pub struct Engine {
     pub(super) scratch: Scratch,
     refinement: [Vec<f64>; 4],
     pub(super) factorizations: usize,
+    /// The factor is that of `values`, without a shift.
+    is_factored: bool,
 }
 
 /// A term's matrix in the engine's slots, without the scale of a chain, and the term it was formed from.
@@ -60,9 +64,9 @@ impl Engine {
     pub fn new(objective: &Objective, rows: Option<&CsrMatrix>, coordinates: Option<&[[f64; 3]]>) -> Result<Self, QpError> {
         objective.check()?;
         let unknowns = objective.unknowns();
-        let matrices: Vec<CsrMatrix> = objective.terms.iter().filter_map(formed_matrix).collect();
+        let matrices: Vec<Option<CsrMatrix>> = objective.terms.iter().map(formed_matrix).collect();
         let coupling = rows.map(|rows| rows.transpose().weighted_product(&vec![1.0; rows.rows()], rows));
-        let patterns: Vec<&CsrMatrix> = matrices.iter().chain(&coupling).collect();
+        let patterns: Vec<&CsrMatrix> = matrices.iter().flatten().chain(&coupling).collect();
         let pattern = CsrMatrix::union_of_patterns(unknowns, &patterns);
         let symbolic = SymbolicCholesky::new(&pattern, fill_reducing_order(&pattern, coordinates)?)?;
         let mut places = vec![(0, 0); symbolic.entries()];
@@ -73,8 +77,19 @@ impl Engine {
                 }
             }
         }
+        drop(pattern);
         let diagonal = (0..unknowns).map(|row| symbolic.slot(row, row)).collect::<Result<Vec<u32>, FactorError>>()?;
-        Ok(Self {
+        let mut engine = Self::with_analysis(Arc::new(symbolic), diagonal.into(), places.into());
+        // The products were formed for the pattern; the first solve will want their numbers.
+        for (index, (term, matrix)) in objective.terms.iter().zip(matrices).enumerate() {
+            engine.formed.push(Arc::new(engine.form(index, term, matrix)?));
+        }
+        Ok(engine)
+    }
+
+    fn with_analysis(symbolic: Arc<SymbolicCholesky>, diagonal: Arc<[u32]>, places: Arc<[(u32, u32)]>) -> Self {
+        let unknowns = symbolic.size();
+        Self {
             unknowns,
             factor: Cholesky::new(&symbolic, COLUMNS),
             diagonal,
@@ -86,8 +101,35 @@ impl Engine {
             scratch: Scratch::new(unknowns),
             refinement: std::array::from_fn(|_| vec![0.0; unknowns]),
             factorizations: 0,
+            is_factored: false,
             symbolic,
-        })
+        }
+    }
+
+    /// A second engine on the same analysis, with a factor of its own: for independent problems in parallel.
+    ///
+    /// The order of elimination, the structure of the factor and the formed products are shared, not copied.
+    ///
+    /// # Cost
+    /// Memory for one factor and a few vectors; no arithmetic.
+    ///
+    /// # Example
+    /// ```
+    /// use morsmooth::qp::{Engine, Objective, Term};
+    /// use rayon::prelude::*;
+    /// // One handle a problem: which of the unknowns 0 and 3 of a chain is held at 1, the other at 0.
+    /// let objective = Objective { terms: vec![Term::Diagonal(vec![1.0; 4])], linear: vec![0.0; 4], constant: 0.0 };
+    /// let engine = Engine::new(&objective, None, None)?;
+    /// let handles = [[Some(1.0), None, None, Some(0.0)], [Some(0.0), None, None, Some(1.0)]];
+    /// let weights: Result<Vec<_>, _> =
+    ///     handles.par_iter().map_init(|| engine.fork(), |engine, fixed| engine.minimise(&objective, fixed)).collect();
+    /// assert_eq!(weights?[1].x, [0.0, 0.0, 0.0, 1.0]);
+    /// # Ok::<(), morsmooth::qp::QpError>(())
+    /// ```
+    pub fn fork(&self) -> Self {
+        let mut engine = Self::with_analysis(self.symbolic.clone(), self.diagonal.clone(), self.places.clone());
+        engine.formed = self.formed.clone();
+        engine
     }
 
     /// Number of unknowns.
@@ -122,9 +164,9 @@ impl Engine {
                 }
             }
             if self.formed.get(index).is_none_or(|formed| !same_matrix(&formed.term, term)) {
-                let formed = self.form(index, term)?;
+                let formed = self.form(index, term, formed_matrix(term))?;
                 self.formed.truncate(index);
-                self.formed.push(formed);
+                self.formed.push(Arc::new(formed));
             }
             let scale = if let Term::Chain { scale, .. } = term { *scale } else { 1.0 };
             let formed = &self.formed[index];
@@ -135,7 +177,7 @@ impl Engine {
         for (slot, value) in self.is_fixed.iter_mut().zip(fixed) {
             *slot = value.is_some();
         }
-        for (value, &(row, column)) in self.base.iter_mut().zip(&self.places) {
+        for (value, &(row, column)) in self.base.iter_mut().zip(self.places.iter()) {
             if self.is_fixed[row as usize] || self.is_fixed[column as usize] {
                 *value = f64::from(u8::from(row == column));
             }
@@ -143,9 +185,11 @@ impl Engine {
         Ok(())
     }
 
-    fn form(&self, index: usize, term: &Term) -> Result<Formed, QpError> {
+    fn form(&self, index: usize, term: &Term, matrix: Option<CsrMatrix>) -> Result<Formed, QpError> {
         let (mut slots, mut values) = (Vec::new(), Vec::new());
-        if let Some(matrix) = formed_matrix(term) {
+        if let Some(matrix) = matrix {
+            slots.reserve(matrix.entries() / 2 + self.unknowns);
+            values.reserve(matrix.entries() / 2 + self.unknowns);
             for row in 0..self.unknowns {
                 let (columns, entries) = matrix.row(row);
                 for (&column, &value) in columns.iter().zip(entries) {
@@ -166,23 +210,32 @@ impl Engine {
 
     /// Resets the values to the quadratic form alone.
     pub(super) fn reset_values(&mut self) {
+        self.is_factored = false;
         self.values.copy_from_slice(&self.base);
+    }
+
+    /// Factors the quadratic form alone, unless that is the factor at hand.
+    pub(super) fn factor_base(&mut self) -> Result<(), QpError> {
+        if self.is_factored && self.values == self.base {
+            return Ok(());
+        }
+        self.reset_values();
+        self.factor_values()
     }
 
     /// Factors the values; on a failed pivot with growing relative shifts of the diagonal.
     pub(super) fn factor_values(&mut self) -> Result<(), QpError> {
         self.factorizations += 1;
-        let mut failed = match self.factor.factor(&self.symbolic, &self.values) {
-            Ok(()) => return Ok(()),
-            Err(error) => error,
-        };
+        let tried = self.factor.factor(&self.symbolic, &self.values);
+        self.is_factored = tried.is_ok();
+        let Err(mut failed) = tried else { return Ok(()) };
         let typical = self.diagonal.iter().map(|&slot| self.values[slot as usize]).fold(0.0, f64::max);
         if !typical.is_finite() {
             return Err(failed.into());
         }
         let mut before = 0.0;
         for shift in SHIFTS {
-            for &slot in &self.diagonal {
+            for &slot in self.diagonal.iter() {
                 let value = &mut self.values[slot as usize];
                 // A tiny part relative to the largest entry covers rows that are zero altogether.
                 *value += (shift - before) * (*value + 1e-6 * typical);
@@ -207,7 +260,7 @@ impl Engine {
 
     /// Adds a part of itself to each diagonal entry of the values.
     pub(super) fn shift_values(&mut self, relative: f64) {
-        for &slot in &self.diagonal {
+        for &slot in self.diagonal.iter() {
             self.values[slot as usize] *= 1.0 + relative;
         }
     }

@@ -12,6 +12,7 @@
 //! The end of a solve is a [`QpStatus`] with [`KktResiduals`] on the problem as given; only `Solved` is success.
 
 mod blocks;
+mod centred;
 mod certificate;
 mod conflict;
 mod engine;
@@ -35,4 +36,4 @@ pub use interior::solve;
 pub use penalty::{LineSearch, MatrixPenalty, Method, Penalty, PenaltyOptions, Preview, Until, solve_with};
 pub use pinned::{Minimum, PinnedSolver};
 pub use problem::{Cone, Constraints, Objective, Problem, Term};
-pub use solution::{KktResiduals, Progress, QpStatus, Settings, Solution, Timings};
+pub use solution::{Iterate, KktResiduals, Progress, QpStatus, Settings, Solution, Timings};

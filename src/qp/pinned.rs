@@ -43,8 +43,7 @@ impl Engine {
     /// One numeric factorisation.
     pub fn pin<'a>(&'a mut self, objective: &'a Objective, fixed: &[Option<f64>]) -> Result<PinnedSolver<'a>, QpError> {
         self.assemble(objective, fixed)?;
-        self.reset_values();
-        self.factor_values()?;
+        self.factor_base()?;
         let start = fixed.iter().map(|value| value.unwrap_or(0.0)).collect();
         Ok(PinnedSolver { engine: self, objective, start })
     }

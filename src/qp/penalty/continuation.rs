@@ -386,6 +386,7 @@ impl Continuation<'_> {
             x: best.x,
             slack,
             dual: best.z,
+            restart: None,
             status,
             objective: best.measured.objective,
             kkt: best.measured.kkt,
