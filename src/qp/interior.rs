@@ -274,22 +274,18 @@ impl Interior<'_> {
         let mut slack = self.problem.constraints.matrix.multiply(&self.point.x);
         add(&mut slack, 1.0, &self.problem.constraints.offset);
         let mut dual = vec![0.0; total];
-        let mut restart = match self.rough {
-            Some((x, z, gap)) => (Iterate { x, dual: vec![0.0; total], gap }, z),
-            None => {
-                let iterate = Iterate { x: self.point.x.clone(), dual: vec![0.0; total], gap: measure.kkt.duality_gap };
-                (iterate, self.point.z.clone())
-            }
-        };
+        let mut restart = self.rough.map(|(x, z, gap)| (Iterate { x, dual: vec![0.0; total], gap }, z));
         for (row, &original) in self.rows.original.iter().enumerate() {
             slack[original as usize] = self.point.s[row];
             dual[original as usize] = self.point.z[row];
-            restart.0.dual[original as usize] = restart.1[row];
+            if let Some((iterate, z)) = &mut restart {
+                iterate.dual[original as usize] = z[row];
+            }
         }
         Solution {
             slack,
             dual,
-            restart: restart.0,
+            restart: restart.map(|(iterate, _)| iterate),
             status,
             objective: measure.objective,
             kkt: measure.kkt,

@@ -104,8 +104,8 @@ pub struct Solution {
     /// z, the multiplier of each row, m numbers, nonnegative or scaled vectors of positive semi-definite blocks.
     pub dual: Vec<f64>,
     /// The first iterate with a relative gap and residuals below 1e-3, for [`Engine::solve_warm`](super::Engine::solve_warm) on the next
-    /// problem; the end itself where there was none.
-    pub restart: Iterate,
+    /// problem; `None` if no iterate came that near.
+    pub restart: Option<Iterate>,
     /// How the solve ended.
     pub status: QpStatus,
     /// The objective at the point, with its constant.
