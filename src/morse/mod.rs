@@ -3,6 +3,7 @@
 //! Minima are read from the gradient of `h`, maxima from the gradient of `-h` with reversed ties. Either gives critical
 //! vertices and vertex–edge separatrices, and so also the extrema on the boundary of the domain.
 
+mod basins;
 mod complex;
 mod curve;
 mod error;
@@ -10,6 +11,7 @@ mod extremum_graph;
 mod forest;
 mod gradient;
 mod lattice_gradient;
+mod lattice_scan;
 mod lattice_star;
 mod link;
 mod lower_star;
