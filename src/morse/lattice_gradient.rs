@@ -10,6 +10,7 @@ use crate::mesh::FreudenthalLattice;
 
 use super::lattice_scan::LatticeScan;
 use super::lattice_star::{LatticeStar, Sink};
+use super::mask_star::{LOWER, MaskStar};
 use super::partners::{CRITICAL_BYTE, NO_CELL};
 
 /// Points handled by one parallel task. Any number gives the same result.
@@ -27,16 +28,16 @@ pub(super) fn lattice_places(lattice: &FreudenthalLattice, order: &VertexOrder) 
         places[dimension][index as usize].store(place, Ordering::Relaxed);
     };
     let run = match lattice.dimension() {
-        1 => pair_chunk::<2>,
-        2 => pair_chunk::<6>,
-        _ => pair_chunk::<14>,
+        1 => pair_chunk::<2, _>,
+        2 => pair_chunk::<6, _>,
+        _ => pair_chunk::<14, _>,
     };
     let (scan, gaps) = (LatticeScan::new(lattice), gaps(lattice));
     (0..points.div_ceil(CHUNK)).into_par_iter().for_each_init(
-        || LatticeStar::new(lattice),
+        || (LatticeStar::new(lattice, &sink), MaskStar::default()),
         |star, chunk| {
             let points = chunk * CHUNK..points.min((chunk + 1) * CHUNK);
-            run(&scan, points.clone(), order.ranks(), star, &sink);
+            run(&scan, points.clone(), order.ranks(), star);
             mark_gaps(&scan, points, &gaps, &sink);
         },
     );
@@ -66,16 +67,15 @@ fn mark_gaps(scan: &LatticeScan, points: Range<usize>, gaps: &Gaps, sink: &impl 
 }
 
 /// Pairs the lower stars of points with up to `SLOTS` neighbours.
-fn pair_chunk<const SLOTS: usize>(
+fn pair_chunk<const SLOTS: usize, S: Sink>(
     scan: &LatticeScan,
     points: Range<usize>,
     ranks: &[u32],
-    star: &mut LatticeStar,
-    sink: &impl Sink,
+    (star, pairing): &mut (LatticeStar<'_, S>, MaskStar),
 ) {
     scan.visit(points, |point, rims| {
         let own = signed(ranks[point as usize]);
-        let mut around = [i32::MAX; 16];
+        let mut around = [i32::MAX; LOWER];
         let mut lower = 0u16;
         scan.look::<SLOTS>(point, rims, |slot, neighbour| {
             let rank = signed(ranks[neighbour as usize]);
@@ -83,7 +83,8 @@ fn pair_chunk<const SLOTS: usize>(
             lower |= u16::from(rank < own) << slot;
         });
         if lower != 0 {
-            star.pair(point, lower, &around, sink);
+            star.turn_to(point, lower, &around);
+            pairing.pair(lower.count_ones() as usize, star);
         }
     });
 }

@@ -7,8 +7,8 @@ use crate::mesh::{Cell, Grid, ImplicitGrid, Triangulation};
 
 use super::partners::{down, up};
 
-/// Most neighbours of a point.
-pub(super) const SLOTS: usize = 14;
+/// Room for the neighbours of a point, of which there are 14 at most.
+pub(super) const SLOTS: usize = 16;
 
 /// Triangles at a point of a 3-dimensional lattice.
 const TRIANGLES: usize = 36;

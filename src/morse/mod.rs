@@ -15,10 +15,12 @@ mod lattice_scan;
 mod lattice_star;
 mod link;
 mod lower_star;
+mod mask_star;
 mod pairs;
 mod partners;
 mod selection;
 mod skeleton;
+mod small_star;
 mod v_paths;
 
 pub use complex::MorseComplex;

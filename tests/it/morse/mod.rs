@@ -4,6 +4,7 @@ mod brute;
 mod complex;
 mod gradient;
 mod grids;
+mod lower_stars;
 pub mod meshes;
 mod pairs;
 mod selection;
