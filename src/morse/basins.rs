@@ -1,244 +1,233 @@
-//! The basins of all extrema of one kind, and where they meet.
-
-use std::sync::atomic::{AtomicU32, Ordering};
+//! Basins of extrema and how they merge: the segmentation of the vertices at every threshold from one computation.
 
 use rayon::prelude::*;
 
-use crate::field::VertexId;
-use crate::mesh::{FreudenthalLattice, Triangulation};
+use crate::field::{VertexId, VertexOrder};
+use crate::mesh::Triangulation;
 
-use super::lattice_scan::LatticeScan;
-use super::link::link;
+use super::error::MorseError;
+use super::forest::Forest;
+use super::jump::roots;
+use super::pairs::ExtremumKind;
+use super::segmentation::Segmentation;
 
-/// Vertices handled by one parallel task. Any number gives the same result.
-const CHUNK: usize = 1 << 14;
+const NONE: u32 = u32::MAX;
 
-/// When a vertex comes as a field is swept: by rising rank for minima, by falling rank for maxima.
-#[derive(Clone, Copy)]
-pub(super) struct Age<'a> {
-    pub ranks: &'a [u32],
-    /// Turns ranks around by exclusive or: no bit for minima, all for maxima.
-    pub turn: u32,
+/// An extremum, and the edge across which its basin joins another one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BasinMerge {
+    /// The extremum that dies.
+    pub extremum: VertexId,
+    /// The saddle as a vertex: the end of `edge` that lies higher (for maxima: lower).
+    pub saddle: VertexId,
+    /// The critical edge: its end in the basin that dies, then its end in the other one.
+    pub edge: [VertexId; 2],
+    /// `|h(saddle) - h(extremum)|`, in the units of the field.
+    pub persistence: f64,
 }
 
-impl Age<'_> {
-    fn of(self, vertex: u32) -> u32 {
-        self.ranks[vertex as usize] ^ self.turn
+/// The basins of all extrema of one kind, and the order in which they merge.
+///
+/// A vertex belongs to the extremum at the end of its V-path of vertices and edges in the discrete gradient of `h` (for
+/// minima) or of `-h` with reversed ties (for maxima). Every such V-path leads from a vertex to its steepest neighbour,
+/// so no gradient is built. Extrema on the boundary of the domain count like any other, and every vertex of a simplex has
+/// a basin.
+///
+/// Merges come by rising persistence, nested ones first: cancelling a prefix of them reverses one V-path at a time, as
+/// [`ExtremumGraph::simplify`](super::ExtremumGraph::simplify) does. So one computation gives the segmentation at every
+/// threshold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BasinHierarchy {
+    kind: ExtremumKind,
+    /// By rising vertex.
+    extrema: Vec<VertexId>,
+    /// The steepest neighbour; the vertex itself for an extremum or a vertex without neighbours.
+    steepest: Vec<u32>,
+    /// Place in `extrema` at the end of the V-path; `NONE` for a vertex without neighbours.
+    basin: Vec<u32>,
+    merges: Vec<BasinMerge>,
+}
+
+impl BasinHierarchy {
+    /// Finds the basins and pairs every extremum but the essential ones with the edge at which it dies (elder rule).
+    ///
+    /// # Arguments
+    /// * `complex`: `n` vertices, any dimension.
+    /// * `values`: the `n` values from which the order was taken.
+    /// * `order`: total order of the vertices.
+    /// * `kind`: basins of minima or of maxima.
+    ///
+    /// # Errors
+    /// [`MorseError::OrderLength`] and [`MorseError::ValuesLength`].
+    ///
+    /// # Cost
+    /// Linear in the edges up to the logarithm of the longest V-path and a sort of the edges between basins; 8 bytes a
+    /// vertex kept. Parallel but for the union–find; the result does not depend on the number of threads.
+    ///
+    /// # Source
+    /// Edelsbrunner, Harer, Zomorodian 2003 (cancellation in order of persistence).
+    pub fn new<T: Triangulation>(
+        complex: &T,
+        values: &[f64],
+        order: &VertexOrder,
+        kind: ExtremumKind,
+    ) -> Result<Self, MorseError> {
+        let vertices = complex.vertex_count();
+        if order.len() != vertices {
+            return Err(MorseError::OrderLength { expected: vertices, found: order.len() });
+        }
+        if values.len() != vertices {
+            return Err(MorseError::ValuesLength { expected: vertices, found: values.len() });
+        }
+        let order = kind.descending(order);
+        let steepest: Vec<u32> = (0..vertices)
+            .into_par_iter()
+            .map(|vertex| {
+                let lowest = |low: VertexId, next: VertexId| if order.is_below(next, low) { next } else { low };
+                complex.neighbours(vertex.into()).fold(VertexId::from(vertex), lowest).0
+            })
+            .collect();
+        let is_extremum =
+            |vertex: &VertexId| steepest[vertex.index()] == vertex.0 && complex.neighbours(*vertex).next().is_some();
+        let extrema: Vec<VertexId> = (0..vertices).into_par_iter().map(VertexId::from).filter(is_extremum).collect();
+        let mut place = vec![NONE; vertices];
+        for (number, extremum) in extrema.iter().enumerate() {
+            place[extremum.index()] = number as u32;
+        }
+        let basin: Vec<u32> = roots(steepest.clone()).into_par_iter().map(|root| place[root as usize]).collect();
+        let merges = merges(complex, values, &order, &extrema, &basin);
+        Ok(Self { kind, extrema, steepest, basin, merges })
+    }
+
+    /// Which extrema.
+    pub fn kind(&self) -> ExtremumKind {
+        self.kind
+    }
+
+    /// All extrema of the order, by rising vertex.
+    pub fn extrema(&self) -> &[VertexId] {
+        &self.extrema
+    }
+
+    /// All merges, by rising persistence, nested ones first.
+    pub fn merges(&self) -> &[BasinMerge] {
+        &self.merges
+    }
+
+    /// The segmentation when every extremum of at most this persistence is cancelled; below 0, none is.
+    ///
+    /// # Arguments
+    /// * `threshold`: in the units of the field.
+    ///
+    /// # Cost
+    /// Linear, parallel.
+    pub fn at(&self, threshold: f64) -> Segmentation {
+        self.segmentation(|merge| merge.persistence <= threshold)
+    }
+
+    /// The segmentation when the chosen merges are done.
+    pub(super) fn segmentation(&self, chosen: impl Fn(&BasinMerge) -> bool) -> Segmentation {
+        let place = |vertex: VertexId| self.basin[vertex.index()];
+        let mut parent: Vec<u32> = (0..self.extrema.len() as u32).collect();
+        for merge in self.merges.iter().filter(|merge| chosen(merge)) {
+            parent[place(merge.extremum) as usize] = place(merge.edge[1]);
+        }
+        let root = roots(parent);
+        let mut number = vec![NONE; self.extrema.len()];
+        let mut kept = Vec::new();
+        for (place, &extremum) in self.extrema.iter().enumerate() {
+            if root[place] as usize == place {
+                number[place] = kept.len() as u32;
+                kept.push(extremum);
+            }
+        }
+        let label = |&basin: &u32| root.get(basin as usize).map_or(NONE, |&root| number[root as usize]);
+        Segmentation::new(kept, self.basin.par_iter().map(label).collect())
+    }
+
+    /// The successor of every vertex on its V-path when the chosen merges are done; an extremum that is left, or a vertex
+    /// without neighbours, is its own.
+    ///
+    /// # Cost
+    /// Linear in the vertices and in the lengths of the reversed V-paths.
+    pub(super) fn successors(&self, chosen: impl Fn(&BasinMerge) -> bool) -> Vec<u32> {
+        let mut next = self.steepest.clone();
+        for merge in self.merges.iter().filter(|merge| chosen(merge)) {
+            let (mut vertex, mut before) = (merge.edge[0].0, merge.edge[1].0);
+            loop {
+                let after = std::mem::replace(&mut next[vertex as usize], before);
+                if after == vertex {
+                    break;
+                }
+                (vertex, before) = (after, vertex);
+            }
+        }
+        next
     }
 }
 
-/// The extrema, and where components of the swept set join.
-pub(super) struct Basins {
-    /// By age.
-    pub extrema: Vec<VertexId>,
-    /// Age of a vertex and the numbers of two extrema whose basins meet below it, by rising age. Components of swept sets
-    /// join only there: what comes before any other vertex among its neighbours is in one component already.
-    pub passes: Vec<(u32, u32, u32)>,
-    /// By extremum: the vertex of lowest index that is known to be in its component of the domain.
-    pub components: Vec<VertexId>,
+/// A lowest edge from a vertex to another basin below it.
+///
+/// Ordered by the ranks of its ends, which is how the lower-star filtration compares edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Pass {
+    high: u32,
+    low: u32,
+    /// Basin of the higher end.
+    own: u32,
+    /// Basin of the lower end.
+    other: u32,
 }
 
-/// Marks a label that is the number of an extremum, no vertex.
-const NUMBER: u32 = 1 << 31;
-/// Label of a vertex without neighbours.
-const ALONE: u32 = u32::MAX;
+fn merges<T: Triangulation>(
+    complex: &T,
+    values: &[f64],
+    order: &VertexOrder,
+    extrema: &[VertexId],
+    basin: &[u32],
+) -> Vec<BasinMerge> {
+    let mut forest = Forest::new(extrema.len());
+    // The extremum of a set of basins is that of its root.
+    let age = |root: u32| order.rank(extrema[root as usize]);
+    let mut merges = Vec::new();
+    for pass in passes(complex, order, basin) {
+        let [own, other] = [pass.own, pass.other].map(|basin| forest.root(basin));
+        if own == other {
+            continue;
+        }
+        let [high, low] = [pass.high, pass.low].map(|rank| order.sequence()[rank as usize]);
+        let (younger, elder, edge) = if age(own) > age(other) { (own, other, [high, low]) } else { (other, own, [low, high]) };
+        forest.attach(younger, elder);
+        let extremum = extrema[younger as usize];
+        let persistence = (values[high.index()] - values[extremum.index()]).abs();
+        merges.push(BasinMerge { extremum, saddle: high, edge, persistence });
+    }
+    // Merges come by rising saddle. One nested in another has the lower saddle and no greater persistence, so a stable
+    // sort puts it first, as the uniqueness of V-paths needs.
+    merges.sort_by(|a, b| a.persistence.total_cmp(&b.persistence));
+    merges
+}
 
-pub(super) fn basins<T: Triangulation>(complex: &T, age: Age) -> Basins {
-    let count = complex.vertex_count();
-    let label: Vec<AtomicU32> = (0..count).into_par_iter().with_min_len(CHUNK).map(|_| AtomicU32::new(ALONE)).collect();
-    // Relaxed throughout: what a task reads of another one's vertices is right before and after they are changed.
-    let set = |vertex: u32, to: u32| label[vertex as usize].store(to, Ordering::Relaxed);
-    let get = |vertex: u32| label[vertex as usize].load(Ordering::Relaxed);
-    let found: Vec<(Vec<VertexId>, Vec<Pass>)> = in_chunks(count, |points| match complex.lattice() {
-        Some(lattice) => match lattice.dimension() {
-            1 => survey_lattice::<2>(&lattice, age, points, &set),
-            2 => survey_lattice::<6>(&lattice, age, points, &set),
-            _ => survey_lattice::<14>(&lattice, age, points, &set),
-        },
-        None => (survey(complex, age, points, &set), Vec::new()),
-    });
-    let mut extrema: Vec<VertexId> = found.iter().flat_map(|(extrema, _)| extrema.iter().copied()).collect();
-    extrema.par_sort_unstable_by_key(|extremum| age.of(extremum.0));
-    // Every vertex is led to the end of its path; all vertices passed are told at once.
-    in_chunks(count, |points| {
-        for start in points.map(|point| point as u32).filter(|&start| get(start) != ALONE) {
-            let mut end = start;
-            while get(end) != end {
-                end = get(end);
+/// Where basins meet, by rising edge. Components of sublevel sets join only there.
+fn passes<T: Triangulation>(complex: &T, order: &VertexOrder, basin: &[u32]) -> Vec<Pass> {
+    let mut passes: Vec<Pass> = (0..order.len())
+        .into_par_iter()
+        .fold(Vec::new, |mut passes: Vec<Pass>, vertex| {
+            let (high, own, begin) = (order.ranks()[vertex], basin[vertex], passes.len());
+            for neighbour in complex.neighbours(vertex.into()) {
+                let (low, other) = (order.rank(neighbour), basin[neighbour.index()]);
+                if low > high || other == own {
+                    continue;
+                }
+                match passes[begin..].iter_mut().find(|pass| pass.other == other) {
+                    Some(pass) => pass.low = pass.low.min(low),
+                    None => passes.push(Pass { high, low, own, other }),
+                }
             }
-            let mut vertex = start;
-            while vertex != end {
-                let next = get(vertex);
-                set(vertex, end);
-                vertex = next;
-            }
-        }
-    });
-    extrema.par_iter().with_min_len(CHUNK).enumerate().for_each(|(place, extremum)| set(extremum.0, place as u32 | NUMBER));
-    // An extremum is its number already and stays it.
-    in_chunks(count, |points| {
-        for vertex in points.map(|point| point as u32) {
-            let end = get(vertex);
-            if end & NUMBER == 0 {
-                set(vertex, get(end));
-            }
-        }
-    });
-    let basin = |vertex: u32| get(vertex) & !NUMBER;
-    let components = match complex.lattice() {
-        Some(_) => vec![VertexId(0); extrema.len()],
-        None => lowest_vertices(count, extrema.len(), &get),
-    };
-    let of_lattice = found.into_par_iter().flat_map_iter(|(_, passes)| passes);
-    let mut passes: Vec<Pass> = of_lattice
-        .map(|(age, one, other)| (age, basin(one), basin(other)))
-        .filter(|&(_, one, other)| one != other)
+            passes
+        })
+        .flatten_iter()
         .collect();
-    if complex.lattice().is_none() {
-        passes = in_chunks(count, |points| passes_of(complex, age, points, &basin)).concat();
-    }
-    // Passes that are listed twice are the same in every respect, so an unstable sort has one possible result.
     passes.par_sort_unstable();
-    Basins { extrema, passes, components }
-}
-
-type Pass = (u32, u32, u32);
-
-fn in_chunks<R: Send>(count: usize, work: impl Fn(std::ops::Range<usize>) -> R + Sync) -> Vec<R> {
-    let chunks = (0..count.div_ceil(CHUNK)).into_par_iter();
-    chunks.map(|chunk| work(chunk * CHUNK..count.min((chunk + 1) * CHUNK))).collect()
-}
-
-/// Lists extrema and labels every vertex with its first neighbour by age.
-fn survey<T: Triangulation>(
-    complex: &T,
-    age: Age,
-    points: std::ops::Range<usize>,
-    set: &impl Fn(u32, u32),
-) -> Vec<VertexId> {
-    let mut extrema = Vec::new();
-    for point in points.map(|point| point as u32) {
-        let mut first = (age.of(point), point);
-        let mut alone = true;
-        for neighbour in complex.neighbours(VertexId(point)) {
-            first = first.min((age.of(neighbour.0), neighbour.0));
-            alone = false;
-        }
-        if alone {
-            continue;
-        }
-        set(point, first.1);
-        if first.1 == point {
-            extrema.push(VertexId(point));
-        }
-    }
-    extrema
-}
-
-/// The same on a lattice, with passes between vertices: from one component of the lower link of a vertex to each other.
-fn survey_lattice<const SLOTS: usize>(
-    lattice: &FreudenthalLattice,
-    age: Age,
-    points: std::ops::Range<usize>,
-    set: &impl Fn(u32, u32),
-) -> (Vec<VertexId>, Vec<Pass>) {
-    let (scan, link) = (LatticeScan::new(lattice), link(lattice.dimension()));
-    let (mut extrema, mut passes) = (Vec::new(), Vec::new());
-    scan.visit(points, |point, rims| {
-        let own = age.of(point);
-        let (mut first, mut first_slot, mut lower) = (own, SLOTS, 0usize);
-        scan.look::<SLOTS>(point, rims, |slot, neighbour| {
-            let other = age.of(neighbour);
-            lower |= usize::from(other < own) << slot;
-            (first, first_slot) = if other < first { (other, slot) } else { (first, first_slot) };
-        });
-        if lower == 0 {
-            set(point, point);
-            extrema.push(VertexId(point));
-            return;
-        }
-        set(point, scan.neighbour(point, first_slot));
-        let firsts = link.firsts[lower];
-        let mut rest = firsts & (firsts - 1);
-        while rest != 0 {
-            let [one, other] = [firsts, rest].map(|set| scan.neighbour(point, set.trailing_zeros() as usize));
-            passes.push((own, one, other));
-            rest &= rest - 1;
-        }
-    });
-    (extrema, passes)
-}
-
-/// Most lower neighbours of which a set is a mask.
-const MASK: usize = 64;
-
-/// Passes at vertices whose lower neighbours are in several basins and in several components of the lower link.
-fn passes_of<T: Triangulation>(
-    complex: &T,
-    age: Age,
-    points: std::ops::Range<usize>,
-    basin: &impl Fn(u32) -> u32,
-) -> Vec<Pass> {
-    let mut passes = Vec::new();
-    let mut lower: Vec<(u32, u32)> = Vec::new();
-    for point in points.map(|point| point as u32) {
-        let own = age.of(point);
-        lower.clear();
-        let below = complex.neighbours(VertexId(point)).filter(|neighbour| age.of(neighbour.0) < own);
-        lower.extend(below.map(|neighbour| (neighbour.0, basin(neighbour.0))));
-        let Some((&(_, one), others)) = lower.split_first() else {
-            continue;
-        };
-        if others.iter().all(|&(_, other)| other == one) {
-            continue;
-        }
-        // Basins that meet within a component of the lower link have met before. Where that takes longer to find out than to
-        // sort them, among tetrahedra and with many neighbours, all are listed.
-        let is_small = complex.dimension() < 3 && lower.len() <= MASK;
-        let is_known = if is_small { inner_components(complex, VertexId(point), &lower) } else { 0 };
-        for (place, &(_, other)) in lower.iter().enumerate().skip(1) {
-            let known = place < MASK && is_known >> place & 1 == 1;
-            if !known && other != one && passes.last() != Some(&(own, one, other)) {
-                passes.push((own, one, other));
-            }
-        }
-    }
     passes
-}
-
-/// The lower neighbours that are not the first of their component of the lower link, as a mask.
-fn inner_components<T: Triangulation>(complex: &T, vertex: VertexId, lower: &[(u32, u32)]) -> u64 {
-    let mut adjacent = [0u64; MASK];
-    let place = |vertex: VertexId| lower.iter().position(|&(other, _)| other == vertex.0);
-    for [a, b] in complex.link_edges(vertex) {
-        if let Some((a, b)) = place(a).zip(place(b)) {
-            adjacent[a] |= 1 << b;
-            adjacent[b] |= 1 << a;
-        }
-    }
-    let (mut inner, mut seen) = (0u64, 0u64);
-    for start in 0..lower.len() {
-        if seen >> start & 1 == 1 {
-            continue;
-        }
-        let mut border = 1u64 << start;
-        seen |= border;
-        while border != 0 {
-            let fresh = adjacent[border.trailing_zeros() as usize] & !seen;
-            border &= border - 1;
-            border |= fresh;
-            seen |= fresh;
-            inner |= fresh;
-        }
-    }
-    inner
-}
-
-/// The lowest vertex of every basin.
-fn lowest_vertices(count: usize, basins: usize, label: &impl Fn(u32) -> u32) -> Vec<VertexId> {
-    let mut lowest = vec![VertexId(u32::MAX); basins];
-    for vertex in (0..count as u32).rev().filter(|&vertex| label(vertex) != ALONE) {
-        lowest[(label(vertex) & !NUMBER) as usize] = VertexId(vertex);
-    }
-    lowest
 }

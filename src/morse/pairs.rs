@@ -3,7 +3,7 @@
 use crate::field::{VertexId, VertexOrder};
 use crate::mesh::Triangulation;
 
-use super::basins::{Age, Basins, basins};
+use super::sweep::{Age, Basins, basins};
 use super::forest::Forest;
 
 /// The two kinds of extrema.

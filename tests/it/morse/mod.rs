@@ -2,6 +2,9 @@
 
 mod brute;
 mod complex;
+mod diagram;
+mod hierarchy;
+mod morse_smale;
 mod gradient;
 mod grids;
 mod lower_stars;
