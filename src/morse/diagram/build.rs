@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::field::VertexOrder;
-use crate::mesh::{SimplicialComplex, Triangulation};
+use crate::mesh::Triangulation;
 
 use super::super::error::MorseError;
 use super::super::gradient::{DiscreteGradient, discrete_gradient};
@@ -20,7 +20,7 @@ use super::reduction::Boundary;
 /// both kinds lists all extrema.
 ///
 /// # Arguments
-/// * `complex`: `n` vertices, dimension 1, 2 or 3. Vertices without neighbours are left out.
+/// * `mesh`: `n` vertices, dimension 1, 2 or 3, explicit or a grid. Vertices without neighbours are left out.
 /// * `order`: total order of the `n` vertices; ties were broken by index.
 ///
 /// # Errors
@@ -47,8 +47,8 @@ use super::reduction::Boundary;
 /// assert_eq!(finite.persistence(&values), Some(2.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn persistence_diagram(complex: &SimplicialComplex, order: &VertexOrder) -> Result<PersistenceDiagram, MorseError> {
-    Ok(diagram_of_gradient(complex, order, &discrete_gradient(complex, order)?))
+pub fn persistence_diagram<T: Triangulation>(mesh: &T, order: &VertexOrder) -> Result<PersistenceDiagram, MorseError> {
+    Ok(diagram_of_gradient(mesh, order, &discrete_gradient(mesh, order)?))
 }
 
 /// The persistence diagram of a vertex order whose gradient is there already.
