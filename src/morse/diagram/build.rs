@@ -152,8 +152,8 @@ impl<'a> Matching<'a> {
     fn reduce<T: Triangulation>(&mut self, landscape: &Landscape<'_, T>, dimension: usize) {
         let columns = &self.critical[dimension];
         let (rows, is_closed) = (&self.critical[dimension - 1], self.ends[dimension - 1].clone());
-        let places: Vec<u32> =
-            (0..columns.len() as u32).filter(|&place| self.deaths[dimension][place as usize].is_none()).collect();
+        let begins_none = |place: &u32| self.deaths[dimension][*place as usize].is_none();
+        let places: Vec<u32> = columns.places().iter().copied().filter(begins_none).collect();
         let pairs = Boundary { landscape, rows, is_closed, columns }.pairs(&places);
         for (row, column) in pairs.into_iter().enumerate() {
             self.join(dimension - 1, row, column);
