@@ -3,6 +3,7 @@
 
 mod args;
 mod check;
+mod complex;
 mod extrema;
 mod failure;
 mod info;
@@ -11,8 +12,11 @@ mod number;
 mod output;
 mod pictures;
 mod report;
+mod simplify;
 mod smooth;
 mod talk;
+mod wishes;
+mod written;
 
 use std::process::ExitCode;
 
@@ -53,7 +57,9 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Info(args) => args.talk.threads,
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
+        Command::Simplify(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
+        Command::Complex(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
         if threads == 0 {
@@ -68,6 +74,8 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Info(args) => info::run(args),
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),
+        Command::Simplify(args) => simplify::run(args),
         Command::Check(args) => check::run(args),
+        Command::Complex(args) => complex::run(args),
     }
 }
