@@ -5,8 +5,11 @@
 
 mod ascent;
 mod basins;
+mod cancellations;
 mod complex;
+mod connector;
 mod curve;
+mod diagram;
 mod error;
 mod extremum_graph;
 mod forest;
@@ -25,11 +28,15 @@ mod v_paths;
 pub use basins::{BasinHierarchy, BasinMerge};
 pub use complex::MorseComplex;
 pub use curve::{PersistenceCurve, PersistenceGap};
+pub use diagram::{
+    DiagramStage, PersistenceDiagram, PersistencePair, diagram_of_gradient, diagram_of_gradient_by_stage, persistence_diagram,
+};
 pub use error::MorseError;
 pub use extremum_graph::{Cancellation, ExtremumGraph, Saddle};
 pub use crate::mesh::Cell;
 pub use gradient::{DiscreteGradient, Pairing, discrete_gradient};
-pub use hierarchy::{CellCancellation, MorseHierarchy};
+pub use cancellations::CellCancellation;
+pub use hierarchy::{MorseHierarchy, SaddlePairs};
 pub use morse_smale::{CriticalPoint, LineKind, MorseSmaleComplex, SeparatrixLine};
 pub use pairs::{ExtremumKind, ExtremumPair, extremum_pairs};
 pub use segmentation::{MorseSmaleSegmentation, Segmentation};

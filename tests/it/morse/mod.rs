@@ -2,6 +2,7 @@
 
 mod brute;
 mod complex;
+mod diagram;
 mod hierarchy;
 mod morse_smale;
 mod gradient;
