@@ -130,6 +130,14 @@ impl FreudenthalLattice {
         self.at(anchor, &self.stencil.cofacets[cell.dimension as usize][kind][place])
     }
 
+    /// Places among the cofacets of a cell at which there is one in the lattice.
+    pub fn cofacet_places(&self, cell: Cell) -> impl Iterator<Item = usize> {
+        let (anchor, kind) = self.anchor(cell);
+        let rims = self.rims(anchor);
+        let places = self.stencil.cofacets[cell.dimension as usize][kind].iter().enumerate();
+        places.filter(move |(_, place)| place.not_at & rims == 0).map(|(place, _)| place)
+    }
+
     pub(super) fn at(&self, point: VertexId, place: &Place) -> Cell {
         let anchor = point.0 - self.steps[place.back as usize] + self.steps[place.forward as usize];
         self.cell(place.dimension.into(), VertexId(anchor), place.kind.into())

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::SimplicialComplex;
+use crate::mesh::Triangulation;
 
 use super::forest::Forest;
 
@@ -101,13 +101,13 @@ impl ExtremumPair {
 /// assert_eq!((minima[1].extremum, minima[1].saddle), (VertexId(2), Some(VertexId(1))));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn extremum_pairs(complex: &SimplicialComplex, order: &VertexOrder, kind: ExtremumKind) -> Vec<ExtremumPair> {
+pub fn extremum_pairs<T: Triangulation>(complex: &T, order: &VertexOrder, kind: ExtremumKind) -> Vec<ExtremumPair> {
     assert_eq!(
         order.len(),
         complex.vertex_count(),
         "the vertex order and the complex must have the same number of vertices"
     );
-    minimum_pairs(&kind.descending(order), kind, |vertex| complex.neighbours(vertex).iter().copied())
+    minimum_pairs(&kind.descending(order), kind, |vertex| complex.neighbours(vertex))
 }
 
 /// Pairs of the minima of `order` on any graph; implicit grids give their neighbours without storing them.

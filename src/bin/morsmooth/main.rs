@@ -12,8 +12,11 @@ mod number;
 mod output;
 mod pictures;
 mod report;
+mod simplify;
 mod smooth;
 mod talk;
+mod wishes;
+mod written;
 
 use std::process::ExitCode;
 
@@ -54,6 +57,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Info(args) => args.talk.threads,
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
+        Command::Simplify(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
     };
@@ -70,6 +74,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Info(args) => info::run(args),
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),
+        Command::Simplify(args) => simplify::run(args),
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),
     }

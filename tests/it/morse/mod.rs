@@ -6,6 +6,7 @@ mod diagram;
 mod hierarchy;
 mod morse_smale;
 mod gradient;
+mod grids;
 pub mod meshes;
 mod pairs;
 mod selection;
