@@ -28,6 +28,8 @@ pub enum Command {
     Smooth(Box<SmoothArgs>),
     /// Write the field itself with exactly the wanted minima and maxima: topological simplification, nothing is smoothed.
     Simplify(Box<crate::simplify::SimplifyArgs>),
+    /// Write the persistence diagram, draw the persistence curve, and suggest thresholds.
+    Persistence(Box<crate::persistence::PersistenceArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
 }
@@ -338,7 +340,7 @@ pub enum ValuesKind {
 }
 
 /// Reads `10%` or `0.1`.
-fn fraction(text: &str) -> Result<f64, String> {
+pub fn fraction(text: &str) -> Result<f64, String> {
     let number = |digits: &str| digits.trim().parse::<f64>().map_err(|_| format!("found '{text}'; expected a part such as 10% or 0.1"));
     let value = match text.trim().strip_suffix('%') {
         Some(digits) => number(digits)? / 100.0,

@@ -9,6 +9,7 @@ mod info;
 mod input;
 mod number;
 mod output;
+mod persistence;
 mod pictures;
 mod report;
 mod simplify;
@@ -57,6 +58,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
         Command::Simplify(args) => args.talk.threads,
+        Command::Persistence(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
@@ -73,6 +75,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),
         Command::Simplify(args) => simplify::run(args),
+        Command::Persistence(args) => persistence::run(args),
         Command::Check(args) => check::run(args),
     }
 }
