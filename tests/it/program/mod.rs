@@ -7,7 +7,9 @@ mod command;
 mod fields;
 mod kinds;
 mod options;
+mod persistence;
 mod queries;
+mod simplify;
 mod unusual;
 
 use std::collections::BTreeMap;
