@@ -13,6 +13,7 @@ mod error;
 mod legacy;
 mod pending;
 mod read;
+mod ttk;
 mod write;
 mod xml;
 
@@ -23,4 +24,5 @@ pub use domain::{DomainIoError, MaskSources, domain, mask};
 pub use error::{IoError, Place};
 pub use pending::{PendingFile, is_same_file};
 pub use read::read;
+pub use ttk::{Numbering, TtkComplex, TtkError};
 pub use write::{Compression, write, write_temporary, write_temporary_with};

@@ -7,6 +7,7 @@
 mod cholesky;
 mod ordering;
 mod product;
+pub mod small;
 mod sparse;
 
 pub use cholesky::{Cholesky, FactorError, SymbolicCholesky};

@@ -108,8 +108,12 @@ impl PersistenceCurve {
     /// # Arguments
     /// * `count`: how many, widest first; of equal widths the lower one first.
     /// * `least`: stretches that begin below it are left out, in the units of the field: near 0 every factor is large.
+    ///
+    /// Left out as well is what is no wider than the narrowest stretch: in data with integer values, their step.
     pub fn widest_ratios(&self, count: usize, least: f64) -> Vec<PersistenceGap> {
-        let mut gaps: Vec<PersistenceGap> = self.gaps().filter(|gap| gap.from >= least && gap.from > 0.0).collect();
+        let step = self.gaps().map(|gap| gap.width()).fold(f64::INFINITY, f64::min);
+        let is_wide = |gap: &PersistenceGap| gap.from >= least && gap.from > 0.0 && gap.width() > 1.5 * step;
+        let mut gaps: Vec<PersistenceGap> = self.gaps().filter(is_wide).collect();
         gaps.sort_by(|a, b| b.ratio().total_cmp(&a.ratio()));
         gaps.truncate(count);
         gaps

@@ -6,7 +6,8 @@ use super::colour::{ColourMap, FAINT_INK, INK, MAXIMUM, MINIMUM, OUTSIDE, Rgb};
 use super::curve::{draw_curve, places};
 use super::error::PlotError;
 use super::file::write_atomically;
-use super::panel::{Area, Scale, draw_field, draw_mark};
+use super::overlay::Overlay;
+use super::panel::{Area, Panel, Scale, draw_field, draw_mark};
 use super::raster::visible_triangles;
 use super::ticks::{number, round_step, ticks};
 use crate::field::{FieldError, VertexId, check_finite};
@@ -168,8 +169,21 @@ fn compose(
     fields: &[&FieldView<'_>],
     options: &PictureOptions,
 ) -> Result<Picture, PlotError> {
+    compose_with(complex, fields, options, None)
+}
+
+/// Draws all panels, with something over each of them where a panel is no chart.
+pub(super) fn compose_with(
+    complex: &SimplicialComplex,
+    fields: &[&FieldView<'_>],
+    options: &PictureOptions,
+    overlay: Option<&Overlay<'_>>,
+) -> Result<Picture, PlotError> {
     check(complex, fields, options)?;
-    if complex.dimension() == 1 { Ok(charts(complex, fields, options)) } else { Ok(panels(complex, fields, options)) }
+    if complex.dimension() == 1 {
+        return Ok(charts(complex, fields, options));
+    }
+    Ok(panels(complex, fields, options, overlay))
 }
 
 fn check(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &PictureOptions) -> Result<(), PlotError> {
@@ -195,7 +209,12 @@ fn check(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &Pictu
     }
 }
 
-fn panels(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &PictureOptions) -> Picture {
+fn panels(
+    complex: &SimplicialComplex,
+    fields: &[&FieldView<'_>],
+    options: &PictureOptions,
+    overlay: Option<&Overlay<'_>>,
+) -> Picture {
     let view = View::of(complex);
     let scale = scale(complex, fields, options);
     let count = fields.len() as i64;
@@ -212,7 +231,7 @@ fn panels(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &Pict
         let left = MARGIN + at * (width + MARGIN);
         canvas.text(left, MARGIN, Align::Left, TITLE, INK, &TITLE.fitted(field.title, width));
         let area = Area { left, top, width, height };
-        let shown = draw_field(&mut canvas, area, &triangles, &view, field, &scale);
+        let shown = draw_field(&mut canvas, area, &Panel { triangles: &triangles, view: &view, field, overlay }, &scale);
         has_outside |= shown.has_outside;
         if shown.hidden > 0 {
             let text = format!("{} extrema out of sight", shown.hidden);

@@ -18,7 +18,7 @@ const ROUNDS: usize = 1000;
 /// do not show is left to the interior point.
 pub(super) fn contradiction(rows: &Rows) -> Option<Certificate> {
     let ground = rows.matrix.columns() as u32;
-    let arcs: Vec<Arc> = (0..rows.len()).filter_map(|row| arc(rows, row, ground)).collect();
+    let arcs: Vec<Arc> = (0..rows.order).filter_map(|row| arc(rows, row, ground)).collect();
     let size = ground as usize + 1;
     let (order, acyclic) = topological(&arcs, size, ground);
     let mut height = vec![if acyclic { f64::NEG_INFINITY } else { 0.0 }; size];
@@ -159,12 +159,11 @@ fn closed_walk(arcs: &[Arc], through: &[u32], node: u32) -> Option<Vec<u32>> {
 /// The rows of a cycle with their multipliers, if they do contradict each other.
 fn summed(rows: &Rows, arcs: &[Arc], path: &[u32]) -> Option<Certificate> {
     let smallest = path.iter().map(|&index| arcs[index as usize].coefficient).fold(f64::INFINITY, f64::min);
-    let mut named: Vec<(usize, f64)> = path
-        .iter()
-        .map(|&index| (rows.original[arcs[index as usize].row as usize] as usize, smallest / arcs[index as usize].coefficient))
-        .collect();
-    named.sort_unstable_by_key(|&(row, _)| row);
     let conflict = -smallest * path.iter().map(|&index| arcs[index as usize].weight).sum::<f64>();
-    let (rows, multipliers) = named.into_iter().unzip();
-    (conflict < 0.0).then_some(Certificate { rows, multipliers, conflict, residual: 0.0 })
+    let mut ray = vec![0.0; rows.len()];
+    for &index in path {
+        let Arc { row, coefficient, .. } = arcs[index as usize];
+        ray[row as usize] = smallest / coefficient;
+    }
+    (conflict < 0.0).then(|| Certificate::new(rows, &ray, (conflict, 0.0)))
 }

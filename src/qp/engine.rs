@@ -4,6 +4,8 @@ use crate::linalg::{Cholesky, CsrMatrix, FactorError, SymbolicCholesky, fill_red
 
 use super::problem::check_fixed;
 use super::product::{Scratch, add, dot};
+use super::rows::Rows;
+use super::scaling::Scaling;
 use super::{Objective, QpError, Term};
 
 /// Right-hand sides that the factor takes at a time.
@@ -47,7 +49,7 @@ impl Engine {
     /// # Arguments
     /// * `objective`: n unknowns; only the patterns of its terms matter here.
     /// * `rows`: `m x n` rows whose unknowns the pattern must couple, unless P couples them already (rows between mesh
-    ///   neighbours always lie inside the pattern of a chain).
+    ///   neighbours always lie inside the pattern of a chain). For blocks: [`Constraints::coupling`](super::Constraints::coupling).
     /// * `coordinates`: a place for each unknown, any unit; turns on nested dissection from 20,000 unknowns on.
     ///
     /// # Errors
@@ -198,9 +200,26 @@ impl Engine {
         })
     }
 
+    /// The diagonal of the quadratic form on the free unknowns, 1 at the fixed ones.
+    pub(super) fn diagonal_values(&self) -> Vec<f64> {
+        self.diagonal.iter().map(|&slot| self.base[slot as usize]).collect()
+    }
+
+    /// Adds a part of itself to each diagonal entry of the values.
+    pub(super) fn shift_values(&mut self, relative: f64) {
+        for &slot in &self.diagonal {
+            self.values[slot as usize] *= 1.0 + relative;
+        }
+    }
+
     /// Largest diagonal entry of the values, which is their largest entry.
     pub(super) fn largest_diagonal(&self) -> f64 {
         self.diagonal.iter().map(|&slot| self.base[slot as usize]).fold(0.0, f64::max)
+    }
+
+    /// The diagonal entry of the quadratic form at an unknown.
+    pub(super) fn diagonal_of(&self, unknown: usize) -> f64 {
+        self.base[self.diagonal[unknown] as usize]
     }
 
     /// Zero at the fixed unknowns.
@@ -216,7 +235,7 @@ impl Engine {
     /// factor, so that one step is a plain solve and the next ones are refinement.
     ///
     /// # Arguments
-    /// * `rows`: A without fixed columns, and W; `None` for P alone.
+    /// * `rows`: A without fixed columns, W, and work memory of a number a row; `None` for P alone.
     /// * `side`: r, zero at the fixed unknowns; `direction`: d, overwritten.
     /// * `tolerance`: on the residual's 2-norm relative to that of r; `steps`: most solves.
     ///
@@ -225,7 +244,7 @@ impl Engine {
     pub(super) fn solve_refined(
         &mut self,
         objective: &Objective,
-        rows: Option<(&CsrMatrix, &[f64])>,
+        mut rows: Option<(&Rows, &Scaling, &mut [f64])>,
         side: &[f64],
         direction: &mut [f64],
         (tolerance, steps): (f64, usize),
@@ -256,8 +275,8 @@ impl Engine {
                 break;
             }
             objective.product_into(&search, &mut image, &mut self.scratch);
-            if let Some((matrix, weights)) = rows {
-                add_normal_product(matrix, weights, &search, &mut image);
+            if let Some((rows, scaling, work)) = &mut rows {
+                rows.add_normal_product(scaling, &search, &mut image, work);
             }
             self.mask(&mut image);
             let length = product / dot(&search, &image);
@@ -278,18 +297,6 @@ impl Engine {
         }
         self.refinement = [residual, solved, search, image];
         (taken, reached)
-    }
-}
-
-/// `y += Aᵀ W A x`.
-fn add_normal_product(matrix: &CsrMatrix, weights: &[f64], x: &[f64], y: &mut [f64]) {
-    for (row, weight) in weights.iter().enumerate() {
-        let (columns, values) = matrix.row(row);
-        let image: f64 = columns.iter().zip(values).map(|(&column, value)| value * x[column as usize]).sum();
-        let force = weight * image;
-        for (&column, value) in columns.iter().zip(values) {
-            y[column as usize] += value * force;
-        }
     }
 }
 

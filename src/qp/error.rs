@@ -65,7 +65,7 @@ pub enum QpError {
         size: f64,
     },
     /// A row couples unknowns that the engine's pattern does not couple.
-    #[error("row {row} couples unknowns {first} and {second}, outside the analysed pattern; give the rows to Engine::new")]
+    #[error("row {row} couples unknowns {first} and {second}, outside the analysed pattern; give Constraints::coupling to Engine::new")]
     RowOutsidePattern {
         /// The row.
         row: usize,
@@ -91,6 +91,16 @@ pub enum QpError {
         unknown: usize,
         /// The largest shift tried, relative to the diagonal.
         shift: f64,
+    },
+    /// An option of a method is out of range.
+    #[error("{option} is {value}; {expected} was expected")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What was expected, in words.
+        expected: &'static str,
     },
     /// The linear algebra refused.
     #[error(transparent)]

@@ -2,21 +2,13 @@
 
 use std::time::Instant;
 
-use super::kkt::{Measure, certificate};
-use super::product::{add, dot};
+use super::certificate::certificate;
+use super::kkt::Measure;
+use super::product::{add, largest};
 use super::rows::Rows;
+use super::scaling::Scaling;
 use super::start::{Start, initial};
 use super::{Engine, Problem, Progress, QpError, QpStatus, Settings, Solution, Timings};
-
-/// Most of the centring that a predictor may ask for; a cap saves iterations from a good start (measured).
-const LARGEST_SIGMA: f64 = 0.1;
-
-/// Below this length of the predictor the point is far from the centre, and centring is worth a whole step.
-const BLOCKED: f64 = 0.1;
-
-/// The centre that is aimed at never has a smaller gap than this share of the tolerance: once the gap is closed, the last steps
-/// serve the stationarity, and products of slack and dual near zero would only spoil the matrix.
-const CLOSED: f64 = 0.03;
 
 /// A solve that stalls with a larger relative gap than this, from a start that was given, is begun again without that start.
 const RESTART_GAP: f64 = 1e-6;
@@ -34,13 +26,13 @@ impl Triple {
         Self { x: vec![0.0; unknowns], s: vec![0.0; rows], z: vec![0.0; rows] }
     }
 
-    fn add(&mut self, length: f64, step: &Self) {
+    pub(super) fn add(&mut self, length: f64, step: &Self) {
         add(&mut self.x, length, &step.x);
         add(&mut self.s, length, &step.s);
         add(&mut self.z, length, &step.z);
     }
 
-    fn copy_from(&mut self, other: &Self) {
+    pub(super) fn copy_from(&mut self, other: &Self) {
         self.x.copy_from_slice(&other.x);
         self.s.copy_from_slice(&other.s);
         self.z.copy_from_slice(&other.z);
@@ -64,12 +56,16 @@ pub(super) struct Interior<'a> {
     pub stationarity: Vec<f64>,
     /// `A x + b - s`.
     pub primal: Vec<f64>,
-    weights: Vec<f64>,
-    target: Vec<f64>,
+    /// Scaling of slacks and duals at the point.
+    pub scaling: Scaling,
+    /// Dual steps are `goal - V ds`.
+    pub goal: Vec<f64>,
     /// Right-hand side of the normal equations; free between two directions.
     pub side: Vec<f64>,
-    step: Triple,
-    trial: Triple,
+    pub step: Triple,
+    pub trial: Triple,
+    /// One number a row for whoever needs it.
+    pub work: Vec<f64>,
     pub solves: usize,
     pub timings: Timings,
 }
@@ -144,8 +140,9 @@ impl Engine {
             point: Triple::zeros(n, m),
             stationarity: vec![0.0; n],
             primal: vec![0.0; m],
-            weights: vec![0.0; m],
-            target: vec![0.0; m],
+            scaling: Scaling::new(&rows),
+            goal: vec![0.0; m],
+            work: vec![0.0; m],
             side: vec![0.0; n],
             step: Triple::zeros(n, m),
             trial: Triple::zeros(n, m),
@@ -199,7 +196,7 @@ pub fn solve(
     settings: &Settings,
 ) -> Result<Solution, QpError> {
     problem.check()?;
-    let mut engine = Engine::new(&problem.objective, Some(&problem.constraints.matrix), coordinates)?;
+    let mut engine = Engine::new(&problem.objective, Some(&problem.constraints.coupling()), coordinates)?;
     engine.solve(problem, start, settings, &mut |_| {})
 }
 
@@ -247,7 +244,9 @@ impl Interior<'_> {
             if measure.is_optimal(self.settings) {
                 return Ok((QpStatus::Solved, iteration));
             }
-            if !self.is_feasible && let Some(found) = certificate(self) {
+            let reach = largest(&self.point.x).max(self.rows.offset_size);
+            let scale = (self.point.x.len(), reach);
+            if !self.is_feasible && let Some(found) = certificate(&self.rows, &self.point.z, scale) {
                 return Ok((QpStatus::Infeasible(found), iteration));
             }
             if iteration == self.settings.max_iterations {
@@ -261,130 +260,6 @@ impl Interior<'_> {
             }
         }
         Ok((QpStatus::IterationLimit, self.settings.max_iterations))
-    }
-
-    /// One iteration, with gaps relative to `unit`; returns the step length.
-    fn advance(&mut self, unit: f64) -> Result<f64, QpError> {
-        let clock = Instant::now();
-        for ((weight, z), s) in self.weights.iter_mut().zip(&self.point.z).zip(&self.point.s) {
-            *weight = z / s;
-        }
-        self.engine.reset_values();
-        self.rows.add_normal(&self.weights, &mut self.engine.values);
-        self.engine.factor_values()?;
-        self.timings.factor += clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
-
-        let m = self.rows.len() as f64;
-        let mu = dot(&self.point.s, &self.point.z) / m;
-        // Predictor: the Newton step to complementarity zero.
-        for ((target, s), z) in self.target.iter_mut().zip(&self.point.s).zip(&self.point.z) {
-            *target = -s * z;
-        }
-        self.direction();
-        let reach = self.reach(1.0);
-        let mut after = 0.0;
-        for row in 0..self.rows.len() {
-            after += (self.point.s[row] + reach * self.step.s[row]) * (self.point.z[row] + reach * self.step.z[row]);
-        }
-        let wanted = (after / m / mu).powi(3);
-        let sigma = if reach < BLOCKED { wanted } else { wanted.min(LARGEST_SIGMA) };
-        let centre = (sigma * mu).max(CLOSED * self.settings.relative_gap * unit / m);
-        // Corrector: centred, with the full second-order term.
-        for row in 0..self.rows.len() {
-            self.target[row] =
-                centre - self.point.s[row] * self.point.z[row] - self.step.s[row] * self.step.z[row];
-        }
-        self.direction();
-        let mut length = self.reach(self.settings.step_fraction);
-        // Counted, not timed, so that the same input gives the same bits.
-        let correctors = match self.engine.symbolic.factor_flops() / self.engine.symbolic.factor_entries().max(1) as f64 {
-            ratio if ratio > 2500.0 => 3,
-            ratio if ratio > 1000.0 => 2,
-            ratio if ratio > 400.0 => 1,
-            _ => 0,
-        };
-        for _ in 0..correctors.min(self.settings.correctors) {
-            let longer = self.centrality(centre, length);
-            match longer {
-                Some(reached) => length = reached,
-                None => break,
-            }
-        }
-        let step = std::mem::replace(&mut self.step, Triple { x: Vec::new(), s: Vec::new(), z: Vec::new() });
-        self.point.add(length, &step);
-        self.step = step;
-        self.timings.solve += clock.elapsed().as_secs_f64();
-        Ok(length)
-    }
-
-    /// The Newton direction for the current residuals and the complementarity `target`.
-    fn direction(&mut self) {
-        for (row, slot) in self.trial.s.iter_mut().enumerate() {
-            *slot = (self.target[row] - self.point.z[row] * self.primal[row]) / self.point.s[row];
-        }
-        for (slot, residual) in self.side.iter_mut().zip(&self.stationarity) {
-            *slot = -residual;
-        }
-        self.rows.add_transposed(1.0, &self.trial.s, &mut self.side);
-        self.newton();
-        self.rows.image_into(&self.step.x, &mut self.step.s);
-        for row in 0..self.rows.len() {
-            self.step.s[row] += self.primal[row];
-            self.step.z[row] = (self.target[row] - self.point.z[row] * self.step.s[row]) / self.point.s[row];
-        }
-    }
-
-    fn newton(&mut self) {
-        let rows = Some((&self.rows.matrix, &self.weights[..]));
-        let (taken, _) =
-            self.engine.solve_refined(&self.problem.objective, rows, &self.side, &mut self.step.x, (1e-3, 4));
-        self.solves += taken;
-    }
-
-    /// The longest step, at most 1, that stays within `fraction` of the way to the boundary.
-    fn reach(&self, fraction: f64) -> f64 {
-        let mut length = 1.0f64;
-        for (value, step) in self.point.s.iter().zip(&self.step.s).chain(self.point.z.iter().zip(&self.step.z)) {
-            if *step < 0.0 {
-                length = length.min(-fraction * value / step);
-            }
-        }
-        length
-    }
-
-    /// Gondzio's corrector: pulls outlying complementarity products of a longer trial step back towards the centre.
-    /// Keeps the corrected step if it is clearly longer.
-    fn centrality(&mut self, centre: f64, length: f64) -> Option<f64> {
-        if length > 0.95 {
-            return None;
-        }
-        let wanted = (1.08 * length + 0.08).min(1.0);
-        for row in 0..self.rows.len() {
-            let product = (self.point.s[row] + wanted * self.step.s[row]) * (self.point.z[row] + wanted * self.step.z[row]);
-            let correction = product.clamp(0.1 * centre, 10.0 * centre) - product;
-            self.target[row] = correction.max(-10.0 * centre);
-        }
-        for (row, slot) in self.trial.s.iter_mut().enumerate() {
-            *slot = self.target[row] / self.point.s[row];
-        }
-        self.side.fill(0.0);
-        self.rows.add_transposed(1.0, &self.trial.s, &mut self.side);
-        self.trial.copy_from(&self.step);
-        self.newton();
-        self.rows.image_into(&self.step.x, &mut self.step.s);
-        for row in 0..self.rows.len() {
-            self.step.z[row] = (self.target[row] - self.point.z[row] * self.step.s[row]) / self.point.s[row];
-        }
-        let trial = std::mem::replace(&mut self.trial, Triple { x: Vec::new(), s: Vec::new(), z: Vec::new() });
-        self.step.add(1.0, &trial);
-        self.trial = trial;
-        let reached = self.reach(self.settings.step_fraction);
-        if reached >= length + 0.01 {
-            return Some(reached);
-        }
-        self.step.copy_from(&self.trial);
-        None
     }
 
     fn finish(self, status: QpStatus, iterations: usize) -> Solution {

@@ -1,8 +1,13 @@
 //! Optimality of a point, measured on the problem as given.
 
+use rayon::prelude::*;
+
+use crate::linalg::small::{from_scaled, scaled_length, smallest_eigenvalue};
+
+use super::blocks::GRAIN;
 use super::interior::Interior;
 use super::product::{Scratch, add, dot, largest};
-use super::{Certificate, KktResiduals, Progress, Settings};
+use super::{KktResiduals, Progress, Settings};
 
 /// The residuals of a point and its objective.
 pub(super) struct Measure {
@@ -95,11 +100,23 @@ fn measured(
 
     rows.slack_into(&point.x, primal);
     let (mut gap, mut most, mut violation) = (0.0f64, 0.0f64, 0.0f64);
-    for ((value, s), z) in primal.iter_mut().zip(&point.s).zip(&point.z) {
-        gap += z * *value;
-        most = most.max(s * z);
-        violation = violation.max(-*value).max((*value - s).abs());
+    for (value, z) in primal.iter().zip(&point.z) {
+        gap += z * value;
+    }
+    for row in 0..rows.order {
+        most = most.max(point.s[row] * point.z[row]);
+        violation = violation.max(-primal[row]);
+    }
+    for (part, worst) in
+        [(rows.two.rows(), worst_block::<2> as fn(_, _, _) -> _), (rows.three.rows(), worst_block::<3> as fn(_, _, _) -> _)]
+    {
+        let (product, outside): (f64, f64) = worst(&primal[part.clone()], &point.s[part.clone()], &point.z[part]);
+        most = most.max(product);
+        violation = violation.max(outside);
+    }
+    for (value, s) in primal.iter_mut().zip(&point.s) {
         *value -= s;
+        violation = violation.max(value.abs());
     }
     let row_size = rows.offset_size + rows.largest_image(&point.x);
     Measure {
@@ -116,29 +133,14 @@ fn measured(
     }
 }
 
-/// A certificate that the rows contradict each other, if the duals have become one.
-///
-/// Growing duals with `Aᵀ y` tiny against `-bᵀ y` show that every x violates some row: for x within any ball of radius r around
-/// zero, `yᵀ (A x + b) <= r |Aᵀ y|_1 + bᵀ y < 0`.
-pub(super) fn certificate(interior: &Interior<'_>) -> Option<Certificate> {
-    let Interior { rows, point, .. } = interior;
-    let conflict = dot(&rows.offset, &point.z);
-    if conflict >= 0.0 {
-        return None;
-    }
-    let top = largest(&point.z);
-    let mut image = vec![0.0; point.x.len()];
-    rows.add_transposed(1.0, &point.z, &mut image);
-    let sum: f64 = image.iter().map(|value| value.abs()).sum();
-    // Any x that could still be feasible would lie a million times farther out than the present one and all known values.
-    if sum * 1e6 * largest(&point.x).max(rows.offset_size) >= -conflict {
-        return None;
-    }
-    let chosen: Vec<usize> = (0..rows.len()).filter(|&row| point.z[row] > 1e-6 * top).collect();
-    Some(Certificate {
-        rows: chosen.iter().map(|&row| rows.original[row] as usize).collect(),
-        multipliers: chosen.iter().map(|&row| point.z[row] / top).collect(),
-        conflict: conflict / top,
-        residual: largest(&image) / top,
-    })
+/// The largest trace of a slack times its dual, and the deepest negative eigenvalue of `A x + b`.
+fn worst_block<const D: usize>(values: &[f64], s: &[f64], z: &[f64]) -> (f64, f64) {
+    let length = scaled_length(D);
+    values
+        .par_chunks(length)
+        .zip(s.par_chunks(length))
+        .zip(z.par_chunks(length))
+        .with_min_len(GRAIN)
+        .map(|((value, s), z)| (dot(s, z), -smallest_eigenvalue(&from_scaled::<D>(value))))
+        .reduce(|| (0.0, 0.0), |one, other| (one.0.max(other.0), one.1.max(other.1)))
 }

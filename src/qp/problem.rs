@@ -41,12 +41,17 @@ pub struct Objective {
 
 /// A set that a run of consecutive rows of `A x + b` must lie in.
 ///
-/// A later version adds small blocks of positive semi-definite matrices.
+/// A positive semi-definite block owns consecutive rows, the *scaled vector* of its symmetric matrix S: the lower triangle row by
+/// row, off-diagonal entries times √2, so that `zᵀ s = trace(Z S)`. Slacks and duals of a block are scaled vectors too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Cone {
     /// The given number of rows, each `>= 0`.
     NonNegative(usize),
+    /// The given number of positive semi-definite 2 x 2 blocks, three rows each: (s11, √2 s21, s22).
+    Psd2(usize),
+    /// The given number of positive semi-definite 3 x 3 blocks, six rows each: (s11, √2 s21, s22, √2 s31, √2 s32, s33).
+    Psd3(usize),
 }
 
 impl Cone {
@@ -54,6 +59,24 @@ impl Cone {
     pub fn rows(&self) -> usize {
         match self {
             Self::NonNegative(rows) => *rows,
+            Self::Psd2(blocks) => 3 * blocks,
+            Self::Psd3(blocks) => 6 * blocks,
+        }
+    }
+
+    /// Constraints in the cone: a row of a nonnegative cone is one, and a block is one.
+    pub fn members(&self) -> usize {
+        match self {
+            Self::NonNegative(count) | Self::Psd2(count) | Self::Psd3(count) => *count,
+        }
+    }
+
+    /// Order of the matrix of a member: 1 for a nonnegative row.
+    pub fn order(&self) -> usize {
+        match self {
+            Self::NonNegative(_) => 1,
+            Self::Psd2(_) => 2,
+            Self::Psd3(_) => 3,
         }
     }
 }
@@ -77,6 +100,70 @@ impl Constraints {
     pub fn nonnegative(matrix: CsrMatrix, offset: Vec<f64>) -> Self {
         let cones = vec![Cone::NonNegative(matrix.rows())];
         Self { matrix, offset, cones }
+    }
+
+    /// Every three rows of `A x + b` are a positive semi-definite 2 x 2 matrix; see [`Cone::Psd2`].
+    ///
+    /// # Arguments
+    /// * `matrix`: A, `3 b x n` for b blocks; `offset`: b, 3 b numbers.
+    pub fn psd2(matrix: CsrMatrix, offset: Vec<f64>) -> Self {
+        let cones = vec![Cone::Psd2(matrix.rows() / 3)];
+        Self { matrix, offset, cones }
+    }
+
+    /// Every six rows of `A x + b` are a positive semi-definite 3 x 3 matrix; see [`Cone::Psd3`].
+    ///
+    /// # Arguments
+    /// * `matrix`: A, `6 b x n` for b blocks; `offset`: b, 6 b numbers.
+    pub fn psd3(matrix: CsrMatrix, offset: Vec<f64>) -> Self {
+        let cones = vec![Cone::Psd3(matrix.rows() / 6)];
+        Self { matrix, offset, cones }
+    }
+
+    /// Number of constraints: a nonnegative row counts as one and a block as one, in the order of the cones.
+    pub fn members(&self) -> usize {
+        self.cones.iter().map(Cone::members).sum()
+    }
+
+    /// First row and matrix order (1, 2, 3) of each constraint.
+    pub fn member_rows(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.cones
+            .iter()
+            .scan(0, |row, cone| {
+                let first = *row;
+                *row += cone.rows();
+                Some((first, cone))
+            })
+            .flat_map(|(first, cone)| {
+                let order = cone.order();
+                (0..cone.members()).map(move |member| (first + member * order * (order + 1) / 2, order))
+            })
+    }
+
+    /// One row a constraint, ones at all unknowns that it touches: what an engine's pattern must couple.
+    ///
+    /// For constraints with blocks give this to [`Engine::new`](super::Engine::new); for rows alone the matrix itself is as good.
+    pub fn coupling(&self) -> CsrMatrix {
+        let mut offsets = vec![0u32];
+        let mut indices: Vec<u32> = Vec::with_capacity(self.matrix.entries());
+        for (first, order) in self.member_rows() {
+            let begin = indices.len();
+            for row in first..first + order * (order + 1) / 2 {
+                indices.extend_from_slice(self.matrix.row(row).0);
+            }
+            indices[begin..].sort_unstable();
+            let mut end = begin;
+            for place in begin..indices.len() {
+                if place == begin || indices[place] != indices[end - 1] {
+                    indices[end] = indices[place];
+                    end += 1;
+                }
+            }
+            indices.truncate(end);
+            offsets.push(end as u32);
+        }
+        let values = vec![1.0; indices.len()];
+        CsrMatrix::from_parts(self.members(), self.matrix.columns(), offsets, indices, values)
     }
 
     /// No rows over n unknowns.

@@ -1,100 +1,212 @@
-//! The rows as the interior point sees them: free unknowns only, and their share of the normal equations.
+//! The constraints as the interior point sees them: free unknowns only, and their share of the normal equations.
+//!
+//! The rows of nonnegative cones come first, then those of 2 x 2 blocks, then those of 3 x 3 blocks.
 
+use crate::linalg::small::{from_scaled, scaled_length, symmetric_eigen, to_scaled};
 use crate::linalg::{CsrMatrix, FactorError};
 
+use super::blocks::{Blocks, BlocksBuilder};
+use super::scaling::Scaling;
 use super::{Certificate, Engine, Problem, QpError};
 
-/// Rows with at least one free unknown; fixed unknowns are folded into the offset.
+/// Constraints with at least one free unknown; fixed unknowns are folded into the offset.
 pub(super) struct Rows {
-    /// `rows x n`, no entry at a fixed unknown.
+    /// Number of nonnegative rows.
+    pub order: usize,
+    /// The nonnegative rows, `order x n`, no entry at a fixed unknown.
     pub matrix: CsrMatrix,
+    /// The 2 x 2 blocks.
+    pub two: Blocks<2, 3>,
+    /// The 3 x 3 blocks.
+    pub three: Blocks<3, 6>,
     /// `b + A g`.
     pub offset: Vec<f64>,
     /// Largest entry of `|A| |g| + |b|`.
     pub offset_size: f64,
     /// The problem's row of each row here.
     pub original: Vec<u32>,
-    /// A row without free unknowns that is violated: the problem has no solution.
+    /// The problem's constraint (a row or a block) that each row belongs to.
+    pub member: Vec<u32>,
+    /// A constraint without free unknowns that is violated: the problem has no solution.
     pub contradiction: Option<Certificate>,
     starts: Vec<u32>,
     slots: Vec<u32>,
     products: Vec<f64>,
 }
 
-impl Rows {
-    /// Sorts out the rows and finds the place of every product `a_i a_j` in the engine's values.
-    pub fn new(problem: &Problem, engine: &Engine) -> Result<Self, QpError> {
+/// One constraint with its fixed unknowns folded in.
+struct Member {
+    index: usize,
+    first: usize,
+    order: usize,
+    /// (unknown, row in the constraint, coefficient), free unknowns only, sorted.
+    entries: Vec<(u32, u32, f64)>,
+    offset: [f64; 6],
+    size: [f64; 6],
+}
+
+impl Member {
+    fn read(&mut self, problem: &Problem) {
         let constraints = &problem.constraints;
-        let fixed = &problem.fixed;
-        let mut triplets = Vec::with_capacity(constraints.matrix.entries());
-        let (mut offset, mut original) = (Vec::new(), Vec::new());
-        let (mut starts, mut slots, mut products) = (vec![0u32], Vec::new(), Vec::new());
-        let mut offset_size: f64 = 0.0;
-        let mut contradiction = None;
-        for row in 0..constraints.offset.len() {
+        self.entries.clear();
+        for local in 0..scaled_length(self.order) {
+            let row = self.first + local;
             let (columns, values) = constraints.matrix.row(row);
             let mut sum = constraints.offset[row];
             let mut size = sum.abs();
-            let here = original.len() as u32;
-            let mut free = 0;
             for (&column, &value) in columns.iter().zip(values) {
-                match fixed[column as usize] {
+                match problem.fixed[column as usize] {
                     Some(known) => {
                         sum += value * known;
                         size += (value * known).abs();
                     }
-                    None if value != 0.0 => {
-                        triplets.push((here, column, value));
-                        free += 1;
-                    }
+                    None if value != 0.0 => self.entries.push((column, local as u32, value)),
                     None => {}
                 }
             }
-            if free == 0 {
-                if sum < -1e-12 * size && contradiction.is_none() {
-                    contradiction =
-                        Some(Certificate { rows: vec![row], multipliers: vec![1.0], conflict: sum, residual: 0.0 });
-                }
+            self.offset[local] = sum;
+            self.size[local] = size;
+        }
+        if self.order > 1 {
+            self.entries.sort_unstable_by_key(|&(column, row, _)| (column, row));
+        }
+    }
+
+    /// What a constraint without free unknowns says: nothing, or that there is no solution.
+    fn contradiction(&self, rows: usize) -> Option<Certificate> {
+        let length = scaled_length(self.order);
+        let mut multiplier = [0.0; 6];
+        let value = match self.order {
+            1 => {
+                multiplier[0] = 1.0;
+                self.offset[0]
+            }
+            2 => least::<2>(&self.offset[..length], &mut multiplier[..length]),
+            _ => least::<3>(&self.offset[..length], &mut multiplier[..length]),
+        };
+        let size = self.size[..length].iter().copied().fold(0.0, f64::max);
+        let mut ray = vec![0.0; rows];
+        ray[self.first..self.first + length].copy_from_slice(&multiplier[..length]);
+        (value < -1e-12 * size).then(|| Certificate {
+            constraints: vec![self.index],
+            multipliers: vec![1.0],
+            conflict: value,
+            residual: 0.0,
+            relaxations: Vec::new(),
+            ray,
+        })
+    }
+}
+
+/// Smallest eigenvalue of a scaled vector, and the scaled vector of its projector `v vᵀ`.
+fn least<const D: usize>(vector: &[f64], projector: &mut [f64]) -> f64 {
+    let (values, vectors) = symmetric_eigen(&from_scaled::<D>(vector));
+    let dyad: [[f64; D]; D] = std::array::from_fn(|i| std::array::from_fn(|j| vectors[i][0] * vectors[j][0]));
+    to_scaled(&dyad, projector);
+    values[0]
+}
+
+impl Rows {
+    /// Sorts out the constraints and finds the place of every product of coefficients in the engine's values.
+    pub fn new(problem: &Problem, engine: &Engine) -> Result<Self, QpError> {
+        let constraints = &problem.constraints;
+        let unknowns = problem.fixed.len();
+        let total = constraints.offset.len();
+        let mut triplets = Vec::with_capacity(constraints.matrix.entries());
+        let (mut starts, mut slots, mut products) = (vec![0u32], Vec::new(), Vec::new());
+        let mut parts: [Part; 3] = Default::default();
+        let (mut two, mut three) = (BlocksBuilder::new(), BlocksBuilder::new());
+        let mut offset_size: f64 = 0.0;
+        let mut contradiction = None;
+        let mut found =
+            Member { index: 0, first: 0, order: 1, entries: Vec::new(), offset: [0.0; 6], size: [0.0; 6] };
+        for (index, (first, order)) in constraints.member_rows().enumerate() {
+            (found.index, found.first, found.order) = (index, first, order);
+            found.read(problem);
+            if found.entries.is_empty() {
+                contradiction = contradiction.or_else(|| found.contradiction(total));
                 continue;
             }
-            let entries = &triplets[triplets.len() - free..];
-            for (position, &(_, first, a)) in entries.iter().enumerate() {
-                for &(_, second, b) in &entries[position..] {
-                    let slot = engine.symbolic.slot(first as usize, second as usize).map_err(|error| match error {
-                        FactorError::OutsidePattern { row: first, column: second } => {
-                            QpError::RowOutsidePattern { row, first, second }
+            let slot = |first: u32, second: u32| {
+                engine.symbolic.slot(first as usize, second as usize).map_err(|error| match error {
+                    FactorError::OutsidePattern { row, column } => {
+                        QpError::RowOutsidePattern { row: found.first, first: row, second: column }
+                    }
+                    other => other.into(),
+                })
+            };
+            let here = parts[order - 1].offset.len() as u32;
+            match order {
+                1 => {
+                    for (position, &(first, _, a)) in found.entries.iter().enumerate() {
+                        triplets.push((here, first, a));
+                        for &(second, _, b) in &found.entries[position..] {
+                            slots.push(slot(first, second)?);
+                            products.push(a * b);
                         }
-                        other => other.into(),
-                    })?;
-                    slots.push(slot);
-                    products.push(a * b);
+                    }
+                    starts.push(slots.len() as u32);
                 }
+                2 => two.push(&found.entries, slot)?,
+                _ => three.push(&found.entries, slot)?,
             }
-            starts.push(slots.len() as u32);
-            offset_size = offset_size.max(size);
-            offset.push(sum);
-            original.push(row as u32);
+            for local in 0..scaled_length(order) {
+                offset_size = offset_size.max(found.size[local]);
+                let part = &mut parts[order - 1];
+                part.offset.push(found.offset[local]);
+                part.original.push((first + local) as u32);
+                part.member.push(index as u32);
+            }
         }
-        let matrix = CsrMatrix::from_triplets(offset.len(), fixed.len(), &triplets).map_err(|_| QpError::Length {
+        let [one, second, third] = parts;
+        let order = one.offset.len();
+        let matrix = CsrMatrix::from_triplets(order, unknowns, &triplets).map_err(|_| QpError::Length {
             array: "rows",
-            expected: fixed.len(),
+            expected: unknowns,
             found: constraints.matrix.columns(),
         })?;
-        Ok(Self { matrix, offset, offset_size, original, contradiction, starts, slots, products })
+        let values = engine.symbolic.entries();
+        let start_of_three = order + second.offset.len();
+        Ok(Self {
+            order,
+            matrix,
+            two: two.finish(order, unknowns, values),
+            three: three.finish(start_of_three, unknowns, values),
+            offset: [one.offset, second.offset, third.offset].concat(),
+            offset_size,
+            original: [one.original, second.original, third.original].concat(),
+            member: [one.member, second.member, third.member].concat(),
+            contradiction,
+            starts,
+            slots,
+            products,
+        })
     }
 
     pub fn len(&self) -> usize {
         self.offset.len()
     }
 
+    /// Sum of the orders of all matrices, a row being one of order 1: what `zᵀ s` is divided by to measure the centre.
+    pub fn degree(&self) -> usize {
+        self.order + 2 * self.two.len() + 3 * self.three.len()
+    }
+
+    /// Whether there are rows only.
+    pub fn is_polyhedral(&self) -> bool {
+        self.order == self.len()
+    }
+
     /// `out := A x` over the free unknowns.
     pub fn image_into(&self, x: &[f64], out: &mut [f64]) {
-        self.matrix.multiply_into(x, out);
+        self.matrix.multiply_into(x, &mut out[..self.order]);
+        self.two.image_into(x, &mut out[self.two.rows()]);
+        self.three.image_into(x, &mut out[self.three.rows()]);
     }
 
     /// `out := A x + b`.
     pub fn slack_into(&self, x: &[f64], out: &mut [f64]) {
-        self.matrix.multiply_into(x, out);
+        self.image_into(x, out);
         for (slot, offset) in out.iter_mut().zip(&self.offset) {
             *slot += offset;
         }
@@ -106,26 +218,72 @@ impl Rows {
             let (columns, values) = self.matrix.row(row);
             columns.iter().zip(values).map(|(&column, value)| (value * x[column as usize]).abs()).sum::<f64>()
         };
-        (0..self.len()).map(size).fold(0.0, f64::max)
+        let rows = (0..self.order).map(size).fold(0.0, f64::max);
+        rows.max(self.two.largest_image(x)).max(self.three.largest_image(x))
+    }
+
+    /// The trace of `A diag(1/d) Aᵀ` over the nonnegative rows; see [`Blocks::compliance`].
+    pub fn compliance(&self, stiffness: impl Fn(usize) -> f64) -> f64 {
+        let one = |row: usize| {
+            let (columns, values) = self.matrix.row(row);
+            let parts = columns.iter().zip(values).map(|(&column, value)| match stiffness(column as usize) {
+                d if d > 0.0 => value * value / d,
+                _ => 0.0,
+            });
+            parts.sum::<f64>()
+        };
+        (0..self.order).map(one).sum()
     }
 
     /// `y += a Aᵀ z`, rows in order.
     pub fn add_transposed(&self, a: f64, z: &[f64], y: &mut [f64]) {
-        for (row, z) in z.iter().enumerate() {
+        for (row, z) in z[..self.order].iter().enumerate() {
             let force = a * z;
             let (columns, values) = self.matrix.row(row);
             for (&column, value) in columns.iter().zip(values) {
                 y[column as usize] += value * force;
             }
         }
+        self.two.add_transposed(a, &z[self.two.rows()], y);
+        self.three.add_transposed(a, &z[self.three.rows()], y);
     }
 
-    /// `values += Aᵀ diag(weights) A`, in one pass over the products.
-    pub fn add_normal(&self, weights: &[f64], values: &mut [f64]) {
-        for (row, weight) in weights.iter().enumerate() {
+    /// `values += Aᵀ V A`, in one pass over the products.
+    pub fn add_normal(&mut self, scaling: &Scaling, values: &mut [f64]) {
+        for (row, weight) in scaling.weights.iter().enumerate() {
             for entry in self.starts[row] as usize..self.starts[row + 1] as usize {
                 values[self.slots[entry] as usize] += weight * self.products[entry];
             }
         }
+        self.two.add_normal(&scaling.two, values);
+        self.three.add_normal(&scaling.three, values);
     }
+
+    /// `y += Aᵀ V A x`.
+    ///
+    /// # Arguments
+    /// * `work`: one number a row, overwritten.
+    pub fn add_normal_product(&self, scaling: &Scaling, x: &[f64], y: &mut [f64], work: &mut [f64]) {
+        for (row, weight) in scaling.weights.iter().enumerate() {
+            let (columns, values) = self.matrix.row(row);
+            let image: f64 = columns.iter().zip(values).map(|(&column, value)| value * x[column as usize]).sum();
+            let force = weight * image;
+            for (&column, value) in columns.iter().zip(values) {
+                y[column as usize] += value * force;
+            }
+        }
+        let (two, three) = (self.two.rows(), self.three.rows());
+        self.two.metric_image_into(&scaling.two, x, &mut work[two.clone()]);
+        self.two.add_transposed(1.0, &work[two], y);
+        self.three.metric_image_into(&scaling.three, x, &mut work[three.clone()]);
+        self.three.add_transposed(1.0, &work[three], y);
+    }
+}
+
+/// Rows of one kind of cone.
+#[derive(Default)]
+struct Part {
+    offset: Vec<f64>,
+    original: Vec<u32>,
+    member: Vec<u32>,
 }

@@ -1,5 +1,7 @@
 //! What a solve returns, and what it may be asked for.
 
+use super::Certificate;
+
 /// When a solve ends and how hard it works.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -36,29 +38,13 @@ pub struct Progress {
     pub step: f64,
 }
 
-/// Why no point satisfies the rows: a combination of rows that contradicts itself.
-///
-/// With the multipliers y >= 0, the sum `yᵀ (A x + b)` does not depend on the free unknowns and is negative; no
-/// feasible x could make it so.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Certificate {
-    /// The rows that contradict each other, rising.
-    pub rows: Vec<usize>,
-    /// The positive multiplier of each of these rows; the largest is 1.
-    pub multipliers: Vec<f64>,
-    /// `yᵀ (A x + b)` with all free unknowns at zero: negative.
-    pub conflict: f64,
-    /// Largest entry of `Aᵀ y` at a free unknown: zero up to rounding.
-    pub residual: f64,
-}
-
 /// How a solve ended. Only [`QpStatus::Solved`] is success.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum QpStatus {
     /// The KKT residuals are within the settings.
     Solved,
-    /// No point satisfies the rows.
+    /// No point satisfies the constraints.
     Infeasible(Certificate),
     /// The iterations ran out; the point is the last one.
     IterationLimit,
@@ -76,9 +62,10 @@ pub struct KktResiduals {
     /// `|L| W |L| ... |x|`. Where this exceeds the tolerance (order 4 and few data on fine meshes), it is the tolerance; such
     /// residuals are rough and weigh next to nothing in the gap (2e-12 in the worst case measured, order 4 at 15,000 unknowns).
     pub rounding: f64,
-    /// Largest violation of a row `A x + b >= 0` or difference to the slack, relative to the largest entry of `|A| |x| + |b|`.
+    /// Largest violation of a row or block of `A x + b` (by an eigenvalue), or difference to the slack, relative to the largest entry
+    /// of `|A| |x| + |b|`.
     pub primal: f64,
-    /// Largest product of a slack and its dual relative to the objective.
+    /// Largest product of a slack and its dual (of a block: trace of the product) relative to the objective.
     pub complementarity: f64,
     /// `zᵀ (A x + b)` relative to the objective. With zero stationarity this bounds the distance to the optimal objective.
     pub duality_gap: f64,
@@ -100,9 +87,9 @@ pub struct Timings {
 pub struct Solution {
     /// The point, n numbers; fixed unknowns have exactly their values.
     pub x: Vec<f64>,
-    /// `A x + b` at that point as the interior point keeps it, positive, m numbers.
+    /// `A x + b` at that point as the interior point keeps it, positive (definite), m numbers.
     pub slack: Vec<f64>,
-    /// z, the multiplier of each row, m nonnegative numbers.
+    /// z, the multiplier of each row, m numbers, nonnegative or scaled vectors of positive semi-definite blocks.
     pub dual: Vec<f64>,
     /// How the solve ended.
     pub status: QpStatus,

@@ -1,9 +1,11 @@
 //! Where the interior point begins.
 
+use crate::linalg::small::{composed, from_scaled, scaled_length, symmetric_eigen, to_scaled};
+
 use super::conflict::contradiction;
 use super::interior::Interior;
 use super::problem::{finite, length};
-use super::product::largest;
+use super::product::{dot, largest};
 use super::{Problem, QpError};
 
 /// Smallest slack of a start without a feasible point, relative to the mean violation or slack.
@@ -15,6 +17,12 @@ const INSIDE: f64 = 1e-9;
 
 /// Smallest slack and dual of a warm start, relative to the mean slack and to the duals of a cold start.
 const WARM_FLOOR: f64 = 1e-4;
+
+/// What slack times dual of a block starts at, relative to the square of the mean eigenvalue of the blocks.
+const BLOCK_CENTRE: f64 = 1e-2;
+
+/// Unit of the duals of blocks relative to the stiffness of the objective as the blocks feel it.
+const BLOCK_FORCE: f64 = 300.0;
 
 /// What the caller knows.
 #[derive(Clone, Copy)]
@@ -68,6 +76,17 @@ pub(super) fn initial(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(
         return Ok(());
     }
     interior.rows.slack_into(&interior.point.x, &mut interior.point.s);
+    if interior.rows.is_polyhedral() {
+        rows_only(interior, start);
+    } else {
+        with_blocks(interior, start);
+    }
+    Ok(())
+}
+
+/// Slacks and duals where there are nonnegative rows only.
+fn rows_only(interior: &mut Interior<'_>, start: Start<'_>) {
+    let m = interior.rows.len();
     let mean = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>() / m as f64;
     let unit = match mean(&interior.point.s) {
         typical if typical > 0.0 => typical,
@@ -106,5 +125,57 @@ pub(super) fn initial(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(
             interior.point.z[row] = known.max(WARM_FLOOR * level);
         }
     }
-    Ok(())
+}
+
+/// Slacks and duals where there are blocks: every eigenvalue of `A x + b` is split into the difference of a slack and a dual with one product.
+fn with_blocks(interior: &mut Interior<'_>, start: Start<'_>) {
+    let Interior { rows, point, engine, .. } = interior;
+    let degree = rows.degree() as f64;
+    let size = (dot(&point.s, &point.s) / degree).sqrt();
+    let size = if size > 0.0 { size } else { rows.offset_size.max(largest(&point.x)).max(f64::MIN_POSITIVE) };
+    let compliance = rows.two.compliance(|unknown| engine.diagonal_of(unknown))
+        + rows.three.compliance(|unknown| engine.diagonal_of(unknown))
+        + rows.compliance(|unknown| engine.diagonal_of(unknown));
+    let force = if compliance > 0.0 { BLOCK_FORCE * rows.len() as f64 / compliance } else { BLOCK_FORCE * engine.largest_diagonal() };
+    let centre = match start {
+        Start::Warm { .. } => WARM_FLOOR * WARM_FLOOR,
+        _ => BLOCK_CENTRE,
+    } * size * size;
+    let split = |value: f64| {
+        let root = (value * value + 4.0 * centre).sqrt();
+        // The smaller part as a quotient, so that it keeps its digits.
+        if value >= 0.0 {
+            let slack = 0.5 * (value + root);
+            (slack, centre / slack)
+        } else {
+            let dual = 0.5 * (root - value);
+            (centre / dual, dual)
+        }
+    };
+    let mut least = f64::INFINITY;
+    for row in 0..rows.order {
+        least = least.min(point.s[row]);
+        let (slack, dual) = split(point.s[row]);
+        (point.s[row], point.z[row]) = (slack, force * dual);
+    }
+    let (two, three) = (rows.two.rows(), rows.three.rows());
+    least = least.min(split_blocks::<2>(&mut point.s[two.clone()], &mut point.z[two], split));
+    least = least.min(split_blocks::<3>(&mut point.s[three.clone()], &mut point.z[three], split));
+    for z in &mut point.z[rows.order..] {
+        *z *= force;
+    }
+    interior.is_feasible |= matches!(start, Start::Point(_)) && least >= 0.0;
+}
+
+/// Splits the eigenvalues of each block; returns the smallest one.
+fn split_blocks<const D: usize>(s: &mut [f64], z: &mut [f64], split: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let length = scaled_length(D);
+    let mut least = f64::INFINITY;
+    for (s, z) in s.chunks_mut(length).zip(z.chunks_mut(length)) {
+        let (values, vectors) = symmetric_eigen(&from_scaled::<D>(s));
+        least = least.min(values[0]);
+        to_scaled(&composed(&values.map(|value| split(value).0), &vectors), s);
+        to_scaled(&composed(&values.map(|value| split(value).1), &vectors), z);
+    }
+    least
 }

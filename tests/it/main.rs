@@ -5,6 +5,7 @@ mod io;
 mod mesh;
 mod monotone;
 mod datasets;
+mod deform;
 mod house;
 mod audit;
 mod morse;

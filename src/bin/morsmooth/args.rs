@@ -32,6 +32,11 @@ pub enum Command {
     Persistence(Box<crate::persistence::PersistenceArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
+    /// Write the Morse–Smale complex: critical points, separatrices, segmentation, in the layout of TTK.
+    ///
+    /// Three files in the output directory, named after the input: ...CriticalPoints.vtp, ...1Separatrices.vtp, and
+    /// ...Segmentation with the input and three more arrays. Without a threshold the complex is not simplified.
+    Complex(crate::complex::ComplexArgs),
 }
 
 /// Which field of which file, on which part of the domain.

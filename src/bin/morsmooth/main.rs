@@ -3,6 +3,7 @@
 
 mod args;
 mod check;
+mod complex;
 mod extrema;
 mod failure;
 mod info;
@@ -60,6 +61,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Simplify(args) => args.talk.threads,
         Command::Persistence(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
+        Command::Complex(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
         if threads == 0 {
@@ -77,5 +79,6 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Simplify(args) => simplify::run(args),
         Command::Persistence(args) => persistence::run(args),
         Command::Check(args) => check::run(args),
+        Command::Complex(args) => complex::run(args),
     }
 }

@@ -27,6 +27,11 @@ const PLATEAUS: usize = 4;
 /// Plateaus by factor begin here, as a part of the range: below, factors are large and mean nothing.
 const LEAST_PART: f64 = 0.005;
 
+/// A plateau of this factor separates features from noise.
+const CLEAR_FACTOR: f64 = 1.5;
+/// With fewer extrema there is not much to separate.
+const MANY: usize = 50;
+
 /// `morsmooth persistence`.
 ///
 /// Two things are told, and they differ. The table and the curve count extremum pairs: dimension 0 of the field (minima)
@@ -327,6 +332,12 @@ fn lines(
         lines.push(String::new());
         lines.push("suggested thresholds, by the factor that each may be off without any effect:".to_owned());
         lines.extend(suggested.by_factor.iter().map(|gap| listed(gap, format!("a factor of {:.2}", gap.ratio()))));
+    }
+    let is_clear = suggested.by_factor.first().is_some_and(|gap| gap.ratio() >= CLEAR_FACTOR);
+    if !is_clear && length.is_none() && field.minima.len() + field.maxima.len() > MANY {
+        lines.push(
+            "no plateau is clear: noise and features overlap in persistence; --select smooth measures the smooth field instead".to_owned(),
+        );
     }
     let others: Vec<&PersistenceGap> = suggested.by_width.iter().filter(|gap| !suggested.by_factor.contains(gap)).collect();
     if !others.is_empty() {

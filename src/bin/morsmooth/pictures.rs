@@ -4,9 +4,10 @@ use std::path::Path;
 
 use morsmooth::audit::extrema as extrema_of;
 use morsmooth::field::VertexId;
-use morsmooth::morse::ExtremumPair;
+use morsmooth::morse::{ExtremumPair, MorseSmaleComplex};
 use morsmooth::plot::{
-    CurveChart, DiagramPoint, FieldView, PictureOptions, PlotError, before_after, field_picture, persistence_curve, persistence_diagram,
+    CurveChart, DiagramPoint, FieldView, PictureOptions, PlotError, before_after, complex_picture, field_picture, persistence_curve,
+    persistence_diagram,
     write_atomically,
 };
 use morsmooth::smooth::{MeasuredField, SelectOn};
@@ -73,6 +74,19 @@ pub fn curve(target: &Path, input: &FieldInput, field: &MeasuredField, plateaus:
         .svg()
         .and_then(|svg| write_atomically(target, svg.as_bytes()))
         .map_err(|error| plot_failure(target, &error))
+}
+
+/// The field with its Morse–Smale complex.
+pub fn complex(directory: &Path, input: &FieldInput, smale: &MorseSmaleComplex) -> Result<(), Failure> {
+    prepare(directory)?;
+    let (minima, maxima) = (smale.minima.extrema(), smale.maxima.extrema());
+    let title = format!("{} minima, {} maxima, {} separatrices", minima.len(), maxima.len(), smale.lines.len());
+    let view = FieldView { title: &title, values: &input.values, minima, maxima };
+    let options = PictureOptions { label: input.name.clone(), ..PictureOptions::default() };
+    let target = directory.join("complex.png");
+    complex_picture(&input.domain.complex, smale, &view, &options)
+        .and_then(|picture| picture.write_png(&target))
+        .map_err(|error| plot_failure(&target, &error))
 }
 
 fn charts(

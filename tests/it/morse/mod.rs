@@ -3,6 +3,8 @@
 mod brute;
 mod complex;
 mod diagram;
+mod hierarchy;
+mod morse_smale;
 mod gradient;
 mod grids;
 pub mod meshes;

@@ -4,6 +4,7 @@ mod bad_fields;
 mod bad_files;
 mod bad_usage;
 mod command;
+mod complex;
 mod fields;
 mod kinds;
 mod options;

@@ -11,7 +11,7 @@ fn assert_certified(problem: &Problem, certificate: &Certificate) {
     let n = problem.fixed.len();
     let mut image = vec![0.0; n];
     let mut conflict = 0.0;
-    for (&row, &y) in certificate.rows.iter().zip(&certificate.multipliers) {
+    for (&row, &y) in certificate.constraints.iter().zip(&certificate.multipliers) {
         assert!(y > 0.0);
         conflict += y * problem.constraints.offset[row];
         let (columns, values) = problem.constraints.matrix.row(row);
@@ -42,7 +42,7 @@ fn two_fixed_values_in_the_wrong_order_are_named() {
         constraints: order(2, &[(0, 1, 0.0)]),
     };
     let found = certificate(&problem);
-    assert_eq!((found.rows.clone(), found.conflict), (vec![0], -1.0));
+    assert_eq!((found.constraints.clone(), found.conflict), (vec![0], -1.0));
     assert_certified(&problem, &found);
 }
 
@@ -59,7 +59,7 @@ fn a_path_between_contradicting_values_is_named() {
         let problem = Problem { objective: distance(&target, &vec![1.0; n]), fixed, constraints: order(n, &arcs) };
         let found = certificate(&problem);
         assert_certified(&problem, &found);
-        assert!(found.rows.iter().all(|&row| row < length as usize - 1), "{:?}", found.rows);
+        assert!(found.constraints.iter().all(|&row| row < length as usize - 1), "{:?}", found.constraints);
     }
 }
 
@@ -72,7 +72,7 @@ fn a_cycle_of_margins_is_named() {
     };
     let found = certificate(&problem);
     assert_certified(&problem, &found);
-    assert_eq!(found.rows, [0, 1, 2]);
+    assert_eq!(found.constraints, [0, 1, 2]);
 }
 
 #[test]

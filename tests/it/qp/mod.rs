@@ -4,6 +4,7 @@ mod agreement;
 mod endings;
 mod invariance;
 mod optima;
+mod penalty;
 mod pinned;
 mod product;
 mod refusals;
