@@ -14,6 +14,7 @@
 mod blocks;
 mod certificate;
 mod conflict;
+mod elastic;
 mod engine;
 mod error;
 mod interior;
