@@ -3,6 +3,7 @@
 mod cholesky;
 mod ordering;
 mod product;
+mod small;
 
 use morsmooth::linalg::CsrMatrix;
 

@@ -1,12 +1,15 @@
 //! The engine: known optima, independent residuals, a second solver, endings, refusals.
 
 mod agreement;
+mod blocks;
+mod contradictions;
 mod endings;
 mod invariance;
 mod optima;
 mod pinned;
 mod product;
 mod refusals;
+mod scenes;
 
 #[path = "../../../tools/bench/peer.rs"]
 mod peer;
