@@ -9,7 +9,7 @@ use morsmooth::linalg::small::{from_scaled, symmetric_eigen};
 use morsmooth::qp::{Cone, Constraints, Engine, Objective, Problem, QpStatus, Settings, Solution, Term, solve};
 
 use super::problems::Random;
-use super::scenes::{Scene, bent, quad, swirl};
+use super::scenes::{Scene, bent, disc, quad, swirl};
 
 /// Smallest eigenvalue of every constraint of a vector of rows.
 pub fn eigenvalues(constraints: &Constraints, rows: &[f64]) -> Vec<f64> {
@@ -82,7 +82,9 @@ fn random_problem(seed: u64, (pairs, triples, rows): (usize, usize, usize)) -> P
     let factor: Vec<f64> = (0..n * n).map(|_| random.normal()).collect();
     for i in 0..n {
         for j in 0..n {
-            dense[i * n + j] = (0..n).map(|k| factor[i * n + k] * factor[j * n + k]).sum::<f64>() / n as f64;
+            let product = (0..n).map(|k| factor[i * n + k] * factor[j * n + k]).sum::<f64>() / n as f64;
+            // Well conditioned, so that equal energies mean equal points.
+            dense[i * n + j] = product + f64::from(u8::from(i == j));
         }
     }
     let form: Vec<(u32, u32, f64)> =
@@ -248,9 +250,8 @@ fn feasible_starts_and_warm_starts_reach_the_same_end() {
     let cold = engine.solve(problem, None, &Settings::default(), &mut |_| {}).unwrap();
     let rough = Settings { relative_gap: 1e-3, residual: 1e-3, ..Settings::default() };
     let saved = engine.solve(problem, None, &rough, &mut |_| {}).unwrap();
-    // The handle moves a little.
-    let mut moved = problem.clone();
-    moved.objective.linear.iter_mut().for_each(|q| *q *= 1.001);
+    // The handle turns a little further; the blocks turn with it.
+    let moved = disc(20, 0.15, (61.0, [0.2, 0.08])).problem;
     let there = engine.solve(&moved, None, &Settings::default(), &mut |_| {}).unwrap();
     let warm = engine.solve_warm(&moved, (&saved.x, &saved.dual), &Settings::default(), &mut |_| {}).unwrap();
     let given = engine.solve(problem, Some(&saved.x), &Settings::default(), &mut |_| {}).unwrap();
