@@ -93,6 +93,7 @@ impl Member {
             conflict: value,
             residual: 0.0,
             relaxations: Vec::new(),
+            least_objective: None,
             ray,
         })
     }

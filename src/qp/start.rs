@@ -4,9 +4,10 @@ use crate::linalg::small::{composed, from_scaled, scaled_length, symmetric_eigen
 
 use super::centred::split;
 use super::conflict::contradiction;
-use super::interior::Interior;
+use super::interior::{Interior, Triple};
 use super::problem::{finite, length};
 use super::product::{dot, largest};
+use super::rows::Rows;
 use super::{Problem, QpError};
 
 /// Smallest slack of a start without a feasible point, relative to the mean violation or slack.
@@ -36,15 +37,17 @@ pub(super) enum Start<'a> {
     Lifted,
     Point(&'a [f64]),
     Warm { x: &'a [f64], dual: &'a [f64] },
+    /// A point well inside every cone with duals well inside.
+    Relaxed { x: &'a [f64], dual: &'a [f64] },
 }
 
 impl Start<'_> {
     pub fn check(&self, problem: &Problem) -> Result<(), QpError> {
-        if let Self::Point(x) | Self::Warm { x, .. } = self {
+        if let Self::Point(x) | Self::Warm { x, .. } | Self::Relaxed { x, .. } = self {
             length("start", x.len(), problem.fixed.len())?;
             finite("start", x)?;
         }
-        if let Self::Warm { dual, .. } = self {
+        if let Self::Warm { dual, .. } | Self::Relaxed { dual, .. } = self {
             length("dual", dual.len(), problem.constraints.offset.len())?;
             finite("dual", dual)?;
         }
@@ -65,7 +68,7 @@ pub(super) fn initial(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(
         return Ok(());
     }
     match start {
-        Start::Point(x) | Start::Warm { x, .. } if m > 0 => {
+        Start::Point(x) | Start::Warm { x, .. } | Start::Relaxed { x, .. } if m > 0 => {
             for (index, slot) in interior.point.x.iter_mut().enumerate() {
                 if !interior.engine.is_fixed[index] {
                     *slot = x[index];
@@ -140,6 +143,12 @@ fn rows_only(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(), QpErro
 fn with_blocks(interior: &mut Interior<'_>, start: Start<'_>) {
     let Interior { rows, point, engine, .. } = interior;
     let degree = rows.degree() as f64;
+    if let Start::Warm { dual, .. } | Start::Relaxed { dual, .. } = start {
+        interior.is_feasible |= matches!(start, Start::Relaxed { .. });
+        let Interior { rows, point, .. } = interior;
+        warm_blocks(rows, point, dual);
+        return;
+    }
     let size = (dot(&point.s, &point.s) / degree).sqrt();
     let size = if size > 0.0 { size } else { rows.offset_size.max(largest(&point.x)).max(f64::MIN_POSITIVE) };
     let (two, three) = (rows.two.rows(), rows.three.rows());
@@ -151,10 +160,7 @@ fn with_blocks(interior: &mut Interior<'_>, start: Start<'_>) {
     let compliance = rows.compliance(|unknown| engine.diagonal_of(unknown));
     let stiffness = if compliance > 0.0 { rows.len() as f64 / compliance } else { engine.largest_diagonal() };
     let force = stiffness * (BLOCK_FORCE.1 * violation * violation).max(BLOCK_FORCE.0);
-    let centre = match start {
-        Start::Warm { .. } => WARM_FLOOR * WARM_FLOOR,
-        _ => (2.0 * violation).clamp(BLOCK_CENTRE.0, BLOCK_CENTRE.1),
-    } * size * size;
+    let centre = (2.0 * violation).clamp(BLOCK_CENTRE.0, BLOCK_CENTRE.1) * size * size;
     let split = |value: f64| {
         let root = (value * value + 4.0 * centre).sqrt();
         // The smaller part as a quotient, so that it keeps its digits.
@@ -178,6 +184,33 @@ fn with_blocks(interior: &mut Interior<'_>, start: Start<'_>) {
         *z *= force;
     }
     interior.is_feasible |= matches!(start, Start::Point(_)) && least >= 0.0;
+}
+
+/// Slacks and duals of a nearby problem: their eigenvalues are lifted off the boundary.
+fn warm_blocks(rows: &Rows, point: &mut Triple, dual: &[f64]) {
+    let degree = rows.degree() as f64;
+    for (z, &original) in point.z.iter_mut().zip(&rows.original) {
+        *z = dual[original as usize];
+    }
+    for part in [&mut point.s, &mut point.z] {
+        let size = (dot(part, part) / degree).sqrt();
+        let floor = WARM_FLOOR * if size > 0.0 { size } else { 1.0 };
+        for value in &mut part[..rows.order] {
+            *value = value.max(floor);
+        }
+        lift::<2>(&mut part[rows.two.rows()], floor);
+        lift::<3>(&mut part[rows.three.rows()], floor);
+    }
+}
+
+/// Lifts all eigenvalues to a floor.
+fn lift<const D: usize>(part: &mut [f64], floor: f64) {
+    for block in part.chunks_mut(scaled_length(D)) {
+        let (values, vectors) = symmetric_eigen(&from_scaled::<D>(block));
+        if values[0] < floor {
+            to_scaled(&composed(&values.map(|value| value.max(floor)), &vectors), block);
+        }
+    }
 }
 
 /// Sum of the squares of the negative eigenvalues.
