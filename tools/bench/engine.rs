@@ -15,6 +15,7 @@ mod peer;
 #[path = "problems.rs"]
 mod problems;
 
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use morsmooth::qp::{Engine, Progress, QpStatus, Settings, Solution};
@@ -97,8 +98,10 @@ fn is_asked(word: &str) -> bool {
     std::env::args().any(|argument| argument == word)
 }
 
-fn pool(threads: usize) -> rayon::ThreadPool {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+/// Pools live to the end: a thread that ends takes its processor seconds out of the sum.
+fn pool(threads: usize) -> &'static rayon::ThreadPool {
+    static POOLS: [OnceLock<rayon::ThreadPool>; 2] = [OnceLock::new(), OnceLock::new()];
+    POOLS[threads - 1].get_or_init(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap())
 }
 
 /// The solution, processor seconds and wall seconds of the whole solve on some threads.
