@@ -1,6 +1,7 @@
 //! Solves with a factor: up the tree and down again, subtrees side by side.
 //!
-//! Right-hand sides are interleaved, `W` numbers an unknown, so that a subtree's part of all of them is one slice.
+//! Right-hand sides are interleaved, `W` numbers an unknown, so that a subtree's part of all of them is one slice; within the
+//! vectors of a supernode they follow one another, as the dense kernels like them.
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
@@ -18,7 +19,7 @@ use super::tasks::{Places, Task};
 use super::Value;
 
 /// Supernodes of this size and more go through the dense kernels: a single right-hand side, several ones.
-const DENSE: [usize; 2] = [512, 64];
+const DENSE: [usize; 2] = [512, 128];
 
 fn is_dense<const W: usize>(height: usize, width: usize) -> bool {
     height * width >= DENSE[usize::from(W > 1)]
@@ -104,17 +105,17 @@ impl<T: Value> Substitution<'_, T> {
         let (mine, other) = if assembly.parity[supernode] == 0 { (even, odd) } else { (odd, even) };
         let place = self.places.vector[supernode] * W;
         let local = &mut mine[place..place + height * W];
-        local[..width * W].copy_from_slice(here);
-        local[width * W..].fill(T::of(0.0));
+        put_in::<T, W>(here, local, height);
+        local.chunks_exact_mut(height).for_each(|local| local[width..].fill(T::of(0.0)));
         for &child in assembly.children(supernode) {
             let child = child as usize;
             let input = inputs.iter().find(|input| (input.task.first..input.task.end).contains(&child));
             let stack = input.map_or(&other[..], |input| &input.stack);
-            let begin = self.places.vector[child] + assembly.width(child);
-            let passed = &stack[begin * W..(begin + assembly.reach(child)) * W];
-            for (&row, values) in assembly.relative(child).iter().zip(passed.chunks_exact(W)) {
-                for (slot, value) in local[row as usize * W..][..W].iter_mut().zip(values) {
-                    *slot += *value;
+            let below = assembly.height(child);
+            let passed = &stack[self.places.vector[child] * W..][..below * W];
+            for (local, passed) in local.chunks_exact_mut(height).zip(passed.chunks_exact(below)) {
+                for (&row, value) in assembly.relative(child).iter().zip(&passed[assembly.width(child)..]) {
+                    local[row as usize] += *value;
                 }
             }
         }
@@ -122,14 +123,16 @@ impl<T: Value> Substitution<'_, T> {
             let range = assembly.columns[supernode] as usize..assembly.columns[supernode + 1] as usize;
             let (couplings, order) = (&couplings[range.clone()], &order[range]);
             // The slots of `here` are free until the end.
-            here.copy_from_slice(&local[..width * W]);
-            for (slots, &column) in local.chunks_exact_mut(W).zip(order) {
-                slots.copy_from_slice(&here[column as usize * W..][..W]);
+            take_out::<T, W>(local, height, here);
+            for (side, local) in local.chunks_exact_mut(height).enumerate() {
+                for (slot, &column) in local.iter_mut().zip(order) {
+                    *slot = here[column as usize * W + side];
+                }
             }
             forward_with_pivots::<T, W>(self.columns(supernode), (height, width), couplings, local, here);
         } else {
             forward::<T, W>(self.columns(supernode), (height, width), local);
-            here.copy_from_slice(&local[..width * W]);
+            take_out::<T, W>(local, height, here);
         }
     }
 
@@ -165,8 +168,11 @@ impl<T: Value> Substitution<'_, T> {
         let size = height * W;
         let relative = assembly.relative(supernode);
         let gather = |local: &mut [T], from: &[T]| {
-            for (slots, &row) in local[width * W..].chunks_exact_mut(W).zip(relative) {
-                slots.copy_from_slice(&from[row as usize * W..][..W]);
+            let above = assembly.height(parent);
+            for (local, from) in local.chunks_exact_mut(height).zip(from.chunks_exact(above)) {
+                for (slot, &row) in local[width..].iter_mut().zip(relative) {
+                    *slot = from[row as usize];
+                }
             }
         };
         let local = if parent == NONE as usize {
@@ -180,25 +186,28 @@ impl<T: Value> Substitution<'_, T> {
             let from = self.places.downwards[parent] * W;
             if from < place {
                 let (head, tail) = memory.split_at_mut(place);
-                gather(&mut tail[..size], &head[from..]);
+                gather(&mut tail[..size], &head[from..from + assembly.height(parent) * W]);
                 &mut tail[..size]
             } else {
                 let (head, tail) = memory.split_at_mut(from);
-                gather(&mut head[place..place + size], tail);
+                gather(&mut head[place..place + size], &tail[..assembly.height(parent) * W]);
                 &mut head[place..place + size]
             }
         };
-        local[..width * W].copy_from_slice(here);
+        put_in::<T, W>(here, local, height);
         if let Some((_, order)) = self.pivots {
             backward_with_pivots::<T, W>(self.columns(supernode), (height, width), local);
-            for (slots, &column) in local.chunks_exact(W).zip(&order[assembly.columns[supernode] as usize..][..width]) {
-                here[column as usize * W..][..W].copy_from_slice(slots);
+            let order = &order[assembly.columns[supernode] as usize..][..width];
+            for (side, local) in local.chunks_exact(height).enumerate() {
+                for (&value, &column) in local.iter().zip(order) {
+                    here[column as usize * W + side] = value;
+                }
             }
             // What the children read are the unknowns in their own order.
-            local[..width * W].copy_from_slice(here);
+            put_in::<T, W>(here, local, height);
         } else {
             backward::<T, W>(self.columns(supernode), (height, width), local);
-            here.copy_from_slice(&local[..width * W]);
+            take_out::<T, W>(local, height, here);
         }
     }
 }
@@ -207,26 +216,33 @@ fn x_length<const W: usize>(assembly: &Assembly, begin: usize, supernode: usize)
     (assembly.columns[supernode] - assembly.columns[begin]) as usize * W
 }
 
-/// Eliminates a supernode's columns from the local vectors.
+/// The interleaved unknowns of a supernode, into the heads of its local vectors.
+fn put_in<T: Value, const W: usize>(here: &[T], local: &mut [T], height: usize) {
+    for (side, local) in local.chunks_exact_mut(height).enumerate() {
+        for (slot, values) in local.iter_mut().zip(here.chunks_exact(W)) {
+            *slot = values[side];
+        }
+    }
+}
+
+/// The heads of the local vectors, interleaved.
+fn take_out<T: Value, const W: usize>(local: &[T], height: usize, here: &mut [T]) {
+    for (side, local) in local.chunks_exact(height).enumerate() {
+        for (slots, &value) in here.chunks_exact_mut(W).zip(local) {
+            slots[side] = value;
+        }
+    }
+}
+
+/// Eliminates a supernode's columns from the local vectors, one after the other of `height` numbers each.
 fn forward<T: Value, const W: usize>(columns: &[T], (height, width): (usize, usize), local: &mut [T]) {
     if is_dense::<W>(height, width) {
         let (top, bottom) = MatRef::from_column_major_slice(columns, height, width).split_at_row(width);
-        let (mut here, passed) = MatMut::from_row_major_slice_mut(local, height, W).split_at_row_mut(width);
+        let (mut here, passed) = MatMut::from_column_major_slice_mut(local, height, W).split_at_row_mut(width);
         solve_lower_triangular_in_place(top, here.rb_mut(), Par::Seq);
         matmul(passed, Accum::Add, bottom, here.rb(), T::of(-1.0), Par::Seq);
-    } else if W == 1 {
-        forward_one(columns, (height, width), local);
     } else {
-        for (index, column) in columns.chunks_exact(height).enumerate() {
-            let (head, tail) = local[index * W..].split_at_mut(W);
-            let inverse = T::of(1.0) / column[index];
-            head.iter_mut().for_each(|value| *value *= inverse);
-            for (slots, &factor) in tail.chunks_exact_mut(W).zip(&column[index + 1..]) {
-                for (slot, value) in slots.iter_mut().zip(head.iter()) {
-                    *slot -= factor * *value;
-                }
-            }
-        }
+        local.chunks_exact_mut(height).for_each(|local| forward_one(columns, (height, width), local));
     }
 }
 
@@ -234,22 +250,11 @@ fn forward<T: Value, const W: usize>(columns: &[T], (height, width): (usize, usi
 fn backward<T: Value, const W: usize>(columns: &[T], (height, width): (usize, usize), local: &mut [T]) {
     if is_dense::<W>(height, width) {
         let (top, bottom) = MatRef::from_column_major_slice(columns, height, width).split_at_row(width);
-        let (mut here, known) = MatMut::from_row_major_slice_mut(local, height, W).split_at_row_mut(width);
+        let (mut here, known) = MatMut::from_column_major_slice_mut(local, height, W).split_at_row_mut(width);
         matmul(here.rb_mut(), Accum::Add, bottom.transpose(), known.rb(), T::of(-1.0), Par::Seq);
         solve_upper_triangular_in_place(top.transpose(), here.rb_mut(), Par::Seq);
-    } else if W == 1 {
-        backward_one(columns, (height, width), local);
     } else {
-        for (index, column) in columns.chunks_exact(height).enumerate().rev() {
-            let (head, tail) = local[index * W..].split_at_mut(W);
-            for (slots, &factor) in tail.chunks_exact(W).zip(&column[index + 1..]) {
-                for (slot, value) in head.iter_mut().zip(slots) {
-                    *slot -= factor * *value;
-                }
-            }
-            let inverse = T::of(1.0) / column[index];
-            head.iter_mut().for_each(|value| *value *= inverse);
-        }
+        local.chunks_exact_mut(height).for_each(|local| backward_one(columns, (height, width), local));
     }
 }
 
@@ -263,7 +268,7 @@ fn forward_with_pivots<T: Value, const W: usize>(
     here: &mut [T],
 ) {
     let (top, bottom) = MatRef::from_column_major_slice(columns, height, width).split_at_row(width);
-    let (mut solved, passed) = MatMut::from_row_major_slice_mut(local, height, W).split_at_row_mut(width);
+    let (mut solved, passed) = MatMut::from_column_major_slice_mut(local, height, W).split_at_row_mut(width);
     solve_unit_lower_triangular_in_place(top, solved.rb_mut(), Par::Seq);
     matmul(passed, Accum::Add, bottom, solved.rb(), T::of(-1.0), Par::Seq);
     let blocks = Blocks { top, couplings };
@@ -290,7 +295,7 @@ fn forward_with_pivots<T: Value, const W: usize>(
 
 fn backward_with_pivots<T: Value, const W: usize>(columns: &[T], (height, width): (usize, usize), local: &mut [T]) {
     let (top, bottom) = MatRef::from_column_major_slice(columns, height, width).split_at_row(width);
-    let (mut here, known) = MatMut::from_row_major_slice_mut(local, height, W).split_at_row_mut(width);
+    let (mut here, known) = MatMut::from_column_major_slice_mut(local, height, W).split_at_row_mut(width);
     matmul(here.rb_mut(), Accum::Add, bottom.transpose(), known.rb(), T::of(-1.0), Par::Seq);
     solve_unit_upper_triangular_in_place(top.transpose(), here.rb_mut(), Par::Seq);
 }

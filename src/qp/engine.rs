@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::linalg::{Cholesky, CsrMatrix, FactorError, SymbolicCholesky, fill_reducing_order};
+use crate::linalg::{CsrMatrix, FactorError, SymbolicCholesky, fill_reducing_order};
 
+use super::mixed::{KktForm, Layout, System};
 use super::problem::check_fixed;
 use super::product::{Scratch, add, dot};
 use super::rows::Rows;
@@ -24,13 +25,16 @@ const SHIFTS: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
 pub struct Engine {
     unknowns: usize,
     pub(super) symbolic: Arc<SymbolicCholesky>,
-    pub(super) factor: Cholesky,
+    pub(super) system: System,
+    /// Slot of the diagonal entry of each x.
     diagonal: Arc<[u32]>,
-    /// Row and column of each stored value.
+    /// Row and column of each stored value, in the system's numbering.
     places: Arc<[(u32, u32)]>,
     formed: Vec<Arc<Formed>>,
     /// The quadratic form on the free unknowns, identity on the fixed ones.
     base: Vec<f64>,
+    /// What a chain that is not formed would add to the diagonal; empty where it is formed.
+    chain_diagonal: Vec<f64>,
     pub(super) values: Vec<f64>,
     pub(super) is_fixed: Vec<bool>,
     pub(super) scratch: Scratch,
@@ -45,6 +49,8 @@ struct Formed {
     term: Term,
     slots: Vec<u32>,
     values: Vec<f64>,
+    /// The diagonal of a chain that is not formed; else empty.
+    diagonal: Vec<f64>,
 }
 
 impl Engine {
@@ -62,15 +68,38 @@ impl Engine {
     /// # Cost
     /// About one numeric factorisation.
     pub fn new(objective: &Objective, rows: Option<&CsrMatrix>, coordinates: Option<&[[f64; 3]]>) -> Result<Self, QpError> {
+        Self::in_form(objective, rows, coordinates, KktForm::Automatic)
+    }
+
+    /// As [`Engine::new`], with the linear systems in a form of one's choice.
+    ///
+    /// # Errors
+    /// As [`Engine::new`].
+    pub fn in_form(
+        objective: &Objective,
+        rows: Option<&CsrMatrix>,
+        coordinates: Option<&[[f64; 3]]>,
+        form: KktForm,
+    ) -> Result<Self, QpError> {
         objective.check()?;
         let unknowns = objective.unknowns();
-        let matrices: Vec<Option<CsrMatrix>> = objective.terms.iter().map(formed_matrix).collect();
+        let layout = Layout::choose(objective, form);
+        let unformed = layout.and_then(|layout| layout.chain_in(&objective.terms));
+        let formed = |(index, term)| if unformed == Some(index) { None } else { formed_matrix(term) };
+        let matrices: Vec<Option<CsrMatrix>> = objective.terms.iter().enumerate().map(formed).collect();
         let coupling = rows.map(|rows| rows.transpose().weighted_product(&vec![1.0; rows.rows()], rows));
         let patterns: Vec<&CsrMatrix> = matrices.iter().flatten().chain(&coupling).collect();
-        let pattern = CsrMatrix::union_of_patterns(unknowns, &patterns);
-        let symbolic = SymbolicCholesky::new(&pattern, fill_reducing_order(&pattern, coordinates)?)?;
+        let (pattern, order) = match layout {
+            Some(layout) => layout.pattern(objective, &patterns, coordinates)?,
+            None => {
+                let pattern = CsrMatrix::union_of_patterns(unknowns, &patterns);
+                let order = fill_reducing_order(&pattern, coordinates)?;
+                (pattern, order)
+            }
+        };
+        let symbolic = SymbolicCholesky::new(&pattern, order)?;
         let mut places = vec![(0, 0); symbolic.entries()];
-        for row in 0..unknowns {
+        for row in 0..symbolic.size() {
             for &column in pattern.row(row).0 {
                 if symbolic.is_stored(row, column as usize) {
                     places[symbolic.slot(row, column as usize)? as usize] = (row as u32, column);
@@ -78,24 +107,33 @@ impl Engine {
             }
         }
         drop(pattern);
-        let diagonal = (0..unknowns).map(|row| symbolic.slot(row, row)).collect::<Result<Vec<u32>, FactorError>>()?;
-        let mut engine = Self::with_analysis(Arc::new(symbolic), diagonal.into(), places.into());
+        let place = |vertex| layout.map_or(vertex, |layout| layout.unknown(vertex));
+        let slots = (0..unknowns).map(|vertex| symbolic.slot(place(vertex), place(vertex)));
+        let diagonal = slots.collect::<Result<Vec<u32>, FactorError>>()?;
+        let mut engine = Self::with_analysis(Arc::new(symbolic), diagonal.into(), places.into(), layout);
         // The products were formed for the pattern; the first solve will want their numbers.
         for (index, (term, matrix)) in objective.terms.iter().zip(matrices).enumerate() {
-            engine.formed.push(Arc::new(engine.form(index, term, matrix)?));
+            let formed = if unformed == Some(index) { engine.couple(index, term)? } else { engine.form(index, term, matrix)? };
+            engine.formed.push(Arc::new(formed));
         }
         Ok(engine)
     }
 
-    fn with_analysis(symbolic: Arc<SymbolicCholesky>, diagonal: Arc<[u32]>, places: Arc<[(u32, u32)]>) -> Self {
-        let unknowns = symbolic.size();
+    fn with_analysis(
+        symbolic: Arc<SymbolicCholesky>,
+        diagonal: Arc<[u32]>,
+        places: Arc<[(u32, u32)]>,
+        layout: Option<Layout>,
+    ) -> Self {
+        let unknowns = diagonal.len();
         Self {
             unknowns,
-            factor: Cholesky::new(&symbolic, COLUMNS),
+            system: System::new(layout, &symbolic, COLUMNS),
             diagonal,
             places,
             formed: Vec::new(),
             base: vec![0.0; symbolic.entries()],
+            chain_diagonal: Vec::new(),
             values: vec![0.0; symbolic.entries()],
             is_fixed: vec![false; unknowns],
             scratch: Scratch::new(unknowns),
@@ -104,6 +142,18 @@ impl Engine {
             is_factored: false,
             symbolic,
         }
+    }
+
+    /// Whether the linear systems have auxiliary unknowns instead of formed products.
+    pub fn is_mixed(&self) -> bool {
+        self.system.layout().is_some()
+    }
+
+    /// Where the entry of two unknowns lives in the values.
+    pub(super) fn slot(&self, first: usize, second: usize) -> Result<u32, FactorError> {
+        self.symbolic
+            .slot(self.system.unknown(first), self.system.unknown(second))
+            .map_err(|_| FactorError::OutsidePattern { row: first, column: second })
     }
 
     /// A second engine on the same analysis, with a factor of its own: for independent problems in parallel.
@@ -127,7 +177,12 @@ impl Engine {
     /// # Ok::<(), morsmooth::qp::QpError>(())
     /// ```
     pub fn fork(&self) -> Self {
-        let mut engine = Self::with_analysis(self.symbolic.clone(), self.diagonal.clone(), self.places.clone());
+        let mut engine = Self::with_analysis(
+            self.symbolic.clone(),
+            self.diagonal.clone(),
+            self.places.clone(),
+            self.system.layout(),
+        );
         engine.formed = self.formed.clone();
         engine
     }
@@ -157,6 +212,8 @@ impl Engine {
         check_fixed(fixed, self.unknowns)?;
         self.formed.truncate(objective.terms.len());
         self.base.fill(0.0);
+        self.chain_diagonal.clear();
+        let unformed = self.system.layout().and_then(|layout| layout.chain_in(&objective.terms));
         for (index, term) in objective.terms.iter().enumerate() {
             if let Term::Diagonal(diagonal) = term {
                 for (&slot, value) in self.diagonal.iter().zip(diagonal) {
@@ -164,7 +221,8 @@ impl Engine {
                 }
             }
             if self.formed.get(index).is_none_or(|formed| !same_matrix(&formed.term, term)) {
-                let formed = self.form(index, term, formed_matrix(term))?;
+                let is_unformed = unformed == Some(index);
+                let formed = if is_unformed { self.couple(index, term)? } else { self.form(index, term, formed_matrix(term))? };
                 self.formed.truncate(index);
                 self.formed.push(Arc::new(formed));
             }
@@ -173,16 +231,49 @@ impl Engine {
             for (&slot, value) in formed.slots.iter().zip(&formed.values) {
                 self.base[slot as usize] += scale * value;
             }
+            if unformed == Some(index) {
+                self.chain_diagonal.extend(formed.diagonal.iter().map(|value| scale * value));
+            }
         }
         for (slot, value) in self.is_fixed.iter_mut().zip(fixed) {
             *slot = value.is_some();
         }
+        let layout = self.system.layout();
+        let is_without_chain = layout.is_some() && unformed.is_none();
         for (value, &(row, column)) in self.base.iter_mut().zip(self.places.iter()) {
-            if self.is_fixed[row as usize] || self.is_fixed[column as usize] {
+            let is_held = |unknown: u32| match layout {
+                None => self.is_fixed[unknown as usize],
+                // Without a chain the auxiliary unknowns stand alone.
+                Some(layout) => layout.vertex(unknown as usize).map_or(is_without_chain, |vertex| self.is_fixed[vertex]),
+            };
+            if is_held(row) || is_held(column) {
                 *value = f64::from(u8::from(row == column));
             }
         }
+        for (value, &fixed) in self.chain_diagonal.iter_mut().zip(&self.is_fixed) {
+            if fixed {
+                *value = 0.0;
+            }
+        }
         Ok(())
+    }
+
+    /// The entries of a chain that is not formed.
+    fn couple(&self, index: usize, term: &Term) -> Result<Formed, QpError> {
+        let (mut slots, mut values, mut diagonal) = (Vec::new(), Vec::new(), Vec::new());
+        if let Some(layout) = self.system.layout() {
+            for (row, column, value) in layout.entries(term) {
+                let (row, column) = (row as usize, column as usize);
+                slots.push(self.symbolic.slot(row, column).map_err(|_| QpError::TermOutsidePattern {
+                    term: index,
+                    first: row / layout.order,
+                    second: column / layout.order,
+                })?);
+                values.push(value);
+            }
+            diagonal = layout.diagonal(term);
+        }
+        Ok(Formed { term: term.clone(), slots, values, diagonal })
     }
 
     fn form(&self, index: usize, term: &Term, matrix: Option<CsrMatrix>) -> Result<Formed, QpError> {
@@ -193,8 +284,8 @@ impl Engine {
             for row in 0..self.unknowns {
                 let (columns, entries) = matrix.row(row);
                 for (&column, &value) in columns.iter().zip(entries) {
-                    if self.symbolic.is_stored(row, column as usize) {
-                        let slot = self.symbolic.slot(row, column as usize).map_err(|_| QpError::TermOutsidePattern {
+                    if self.symbolic.is_stored(self.system.unknown(row), self.system.unknown(column as usize)) {
+                        let slot = self.slot(row, column as usize).map_err(|_| QpError::TermOutsidePattern {
                             term: index,
                             first: row,
                             second: column as usize,
@@ -205,7 +296,7 @@ impl Engine {
                 }
             }
         }
-        Ok(Formed { term: term.clone(), slots, values })
+        Ok(Formed { term: term.clone(), slots, values, diagonal: Vec::new() })
     }
 
     /// Resets the values to the quadratic form alone.
@@ -226,7 +317,7 @@ impl Engine {
     /// Factors the values; on a failed pivot with growing relative shifts of the diagonal.
     pub(super) fn factor_values(&mut self) -> Result<(), QpError> {
         self.factorizations += 1;
-        let tried = self.factor.factor(&self.symbolic, &self.values);
+        let tried = self.system.factor(&self.symbolic, &self.values);
         self.is_factored = tried.is_ok();
         let Err(mut failed) = tried else { return Ok(()) };
         let typical = self.diagonal.iter().map(|&slot| self.values[slot as usize]).fold(0.0, f64::max);
@@ -242,7 +333,7 @@ impl Engine {
             }
             before = shift;
             self.factorizations += 1;
-            match self.factor.factor(&self.symbolic, &self.values) {
+            match self.system.factor(&self.symbolic, &self.values) {
                 Ok(()) => return Ok(()),
                 Err(error) => failed = error,
             }
@@ -255,7 +346,7 @@ impl Engine {
 
     /// The diagonal of the quadratic form on the free unknowns, 1 at the fixed ones.
     pub(super) fn diagonal_values(&self) -> Vec<f64> {
-        self.diagonal.iter().map(|&slot| self.base[slot as usize]).collect()
+        (0..self.unknowns).map(|unknown| self.diagonal_of(unknown)).collect()
     }
 
     /// Adds a part of itself to each diagonal entry of the values.
@@ -267,12 +358,12 @@ impl Engine {
 
     /// Largest diagonal entry of the values, which is their largest entry.
     pub(super) fn largest_diagonal(&self) -> f64 {
-        self.diagonal.iter().map(|&slot| self.base[slot as usize]).fold(0.0, f64::max)
+        (0..self.unknowns).map(|unknown| self.diagonal_of(unknown)).fold(0.0, f64::max)
     }
 
     /// The diagonal entry of the quadratic form at an unknown.
     pub(super) fn diagonal_of(&self, unknown: usize) -> f64 {
-        self.base[self.diagonal[unknown] as usize]
+        self.base[self.diagonal[unknown] as usize] + self.chain_diagonal.get(unknown).copied().unwrap_or(0.0)
     }
 
     /// Zero at the fixed unknowns.
@@ -311,7 +402,7 @@ impl Engine {
         let mut reached = 1.0;
         while taken < steps && size > 0.0 {
             solved.copy_from_slice(&residual);
-            self.factor.solve_in_place(&self.symbolic, &mut solved);
+            self.system.solve_in_place(&self.symbolic, &mut solved);
             taken += 1;
             let product = dot(&residual, &solved);
             if taken == 1 {

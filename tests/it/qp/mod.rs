@@ -3,6 +3,7 @@
 mod agreement;
 mod endings;
 mod invariance;
+mod mixed;
 mod optima;
 mod penalty;
 mod pinned;
