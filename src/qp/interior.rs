@@ -88,9 +88,9 @@ impl Engine {
     ///
     /// # Arguments
     /// * `problem`: objective and rows inside the engine's pattern.
-    /// * `start`: a point with `A x + b` clearly positive in every row is taken as it is; of any other point, best the minimiser without
-    ///   rows where the caller has it, x is taken and the slacks are lifted. `None` computes that minimiser, for one
-    ///   factorisation more. Entries at fixed unknowns are ignored.
+    /// * `start`: a point with `A x + b` clearly positive in every row is taken as it is. Of any other point, best the minimiser without
+    ///   rows, x is taken, and slacks and duals are split from the violations; where [`Engine::minimise`] was the last call, its factor
+    ///   serves for that, otherwise it is one factorisation more. `None` computes the minimiser. Entries at fixed unknowns are ignored.
     /// * `settings`: tolerances and limits.
     /// * `progress`: called once an iteration.
     ///
@@ -118,8 +118,8 @@ impl Engine {
     /// Solves a problem from the point and duals of a nearby one (a moved value, the next refinement round).
     ///
     /// # Arguments
-    /// * `x`, `dual`: a previous solution, n and m numbers, best one stopped at a relative gap near 1e-3; slacks and duals
-    ///   are lifted off the boundary before the first step.
+    /// * `x`, `dual`: of a previous solution, n and m numbers, best of its [`Solution::restart`]; slacks and duals are lifted off the
+    ///   boundary before the first step.
     ///
     /// # Errors
     /// As [`Engine::solve`].

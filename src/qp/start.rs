@@ -105,7 +105,8 @@ fn rows_only(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(), QpErro
     interior.is_feasible |= matches!(start, Start::Point(_)) && least >= 0.0;
     let inside = least > INSIDE * unit;
     if matches!(start, Start::Cold) || (matches!(start, Start::Point(_)) && !inside) {
-        return split(interior, unit);
+        let energy = to_gain(interior, unit);
+        return split(interior, (unit, energy));
     }
     let floor = match start {
         // A start well inside the cone is taken as it is.
@@ -118,15 +119,7 @@ fn rows_only(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(), QpErro
     }
     // Equal duals whose products with the slacks sum to the objective, an upper bound of what is still to be gained.
     // Duals in proportion to 1/slack would be centred, and need half as many iterations again (measured).
-    let objective = &interior.problem.objective;
-    let quadratic = objective.quadratic(&interior.point.x, &mut interior.engine.scratch);
-    let linear: f64 = objective.linear.iter().zip(&interior.point.x).map(|(q, x)| (q * x).abs()).sum();
-    let addends = quadratic + linear + objective.constant.abs();
-    let energy = match objective.value(&interior.point.x).abs().max(1e-4 * addends) {
-        some if some > 0.0 => some,
-        // All is zero at the start: what moving every unknown alone by a typical slack would cost.
-        _ => unit * unit * interior.engine.largest_diagonal() * m as f64,
-    };
+    let energy = to_gain(interior, unit);
     let share = energy / m as f64;
     let level = share / mean(&interior.point.s);
     interior.point.z.fill(level);
@@ -137,6 +130,19 @@ fn rows_only(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(), QpErro
         }
     }
     Ok(())
+}
+
+/// An upper bound, roughly, of what the objective can still gain: its value at the start.
+fn to_gain(interior: &mut Interior<'_>, unit: f64) -> f64 {
+    let objective = &interior.problem.objective;
+    let quadratic = objective.quadratic(&interior.point.x, &mut interior.engine.scratch);
+    let linear: f64 = objective.linear.iter().zip(&interior.point.x).map(|(q, x)| (q * x).abs()).sum();
+    let addends = quadratic + linear + objective.constant.abs();
+    match objective.value(&interior.point.x).abs().max(1e-4 * addends) {
+        some if some > 0.0 => some,
+        // All is zero at the start: what moving every unknown alone by a typical slack would cost.
+        _ => unit * unit * interior.engine.largest_diagonal() * interior.rows.len() as f64,
+    }
 }
 
 /// Slacks and duals where there are blocks: every eigenvalue of `A x + b` is split into the difference of a slack and a dual with one product.

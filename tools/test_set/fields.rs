@@ -19,7 +19,7 @@ pub struct Made {
     pub problem: Problem,
     /// A place for each unknown.
     pub coordinates: Vec<[f64; 3]>,
-    /// A strictly feasible point.
+    /// Where the solve begins: the minimiser without cones, or a strictly feasible point.
     pub start: Option<Vec<f64>>,
 }
 
