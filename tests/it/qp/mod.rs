@@ -9,6 +9,7 @@ mod penalty;
 mod pinned;
 mod product;
 mod refusals;
+mod speed;
 
 #[path = "../../../tools/bench/peer.rs"]
 mod peer;
