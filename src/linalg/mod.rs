@@ -7,6 +7,7 @@
 
 mod assembly;
 mod cholesky;
+mod dissection;
 mod error;
 mod front;
 mod indefinite;

@@ -97,8 +97,11 @@ impl<T: Value> Multifrontal<'_, T> {
                 below.push((inner, cut(inner.first, inner.end)));
             }
         }
-        let done: Vec<Result<Output<'t, T>, usize>> =
-            below.into_par_iter().with_max_len(1).map(|(inner, part)| self.task(inner, part)).collect();
+        // Small matrices have no inner tasks, and must not even look for threads.
+        let done: Vec<Result<Output<'t, T>, usize>> = match below.len() {
+            0 => Vec::new(),
+            _ => below.into_par_iter().with_max_len(1).map(|(inner, part)| self.task(inner, part)).collect(),
+        };
         // In order, so that the first failed pivot is named whatever ran first.
         let inputs = done.into_iter().collect::<Result<Vec<_>, usize>>()?;
         let mut stacks = task.matrices.map(|length| self.pool.take(length));

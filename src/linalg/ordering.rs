@@ -4,16 +4,15 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
+use super::dissection::Part;
 use super::{CsrMatrix, FactorError, Permutation};
-
-/// Largest part that nested dissection leaves to minimum degree. Smaller leaves cut more separators than they save,
-/// larger ones grow the fill of minimum degree; between 100 and 300 nothing moves by more than a few percent.
-const LEAF: usize = 200;
 
 /// Problems below this size gain nothing from dissection (measured: equal work at 15,000, half of it at 250,000).
 const SMALL: usize = 20_000;
 
 /// The order to use for a symmetric pattern: nested dissection for large patterns with coordinates, else minimum degree.
+///
+/// Neighbouring unknowns with equal rows (the components of a vector at a vertex) are ordered as one.
 ///
 /// # Arguments
 /// * `pattern`: `n x n`, symmetric; values are not read.
@@ -22,9 +21,65 @@ const SMALL: usize = 20_000;
 /// # Errors
 /// [`FactorError`] where the pattern is not square or the lengths differ.
 pub fn fill_reducing_order(pattern: &CsrMatrix, coordinates: Option<&[[f64; 3]]>) -> Result<Permutation, FactorError> {
-    match coordinates {
-        Some(places) if pattern.rows() >= SMALL => nested_dissection(pattern, places),
-        _ => minimum_degree(pattern),
+    check_square(pattern)?;
+    check_count(pattern, coordinates)?;
+    let groups = Groups::of(pattern);
+    let (starts, indices) = groups.graph(pattern);
+    let order = match coordinates {
+        Some(places) if groups.count() >= SMALL => dissected(&starts, &indices, &groups.places(places))?,
+        _ => approximate_minimum_degree(groups.count(), &starts, &indices)?,
+    };
+    Ok(postordered(pattern, Permutation::from_parts(groups.expanded(&order))))
+}
+
+/// Runs of consecutive unknowns whose rows are the same.
+struct Groups {
+    starts: Vec<u32>,
+    of: Vec<u32>,
+}
+
+impl Groups {
+    fn of(pattern: &CsrMatrix) -> Self {
+        let mut groups = Self { starts: Vec::new(), of: Vec::with_capacity(pattern.rows()) };
+        for row in 0..pattern.rows() {
+            if row == 0 || pattern.row(row).0 != pattern.row(row - 1).0 || pattern.row(row).0.is_empty() {
+                groups.starts.push(row as u32);
+            }
+            groups.of.push(groups.starts.len() as u32 - 1);
+        }
+        groups.starts.push(pattern.rows() as u32);
+        groups
+    }
+
+    fn count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The pattern between groups, as the first row of each has it.
+    fn graph(&self, pattern: &CsrMatrix) -> (Vec<u32>, Vec<u32>) {
+        let mut starts = Vec::with_capacity(self.starts.len());
+        let mut indices = Vec::new();
+        starts.push(0);
+        for &row in &self.starts[..self.count()] {
+            let begin = indices.len();
+            // Columns rise, and so do their groups.
+            for &column in pattern.row(row as usize).0 {
+                let group = self.of[column as usize];
+                if indices.len() == begin || indices.last() != Some(&group) {
+                    indices.push(group);
+                }
+            }
+            starts.push(indices.len() as u32);
+        }
+        (starts, indices)
+    }
+
+    fn places(&self, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        self.starts[..self.count()].iter().map(|&row| places[row as usize]).collect()
+    }
+
+    fn expanded(&self, order: &[u32]) -> Vec<u32> {
+        order.iter().flat_map(|&group| self.starts[group as usize]..self.starts[group as usize + 1]).collect()
     }
 }
 
@@ -45,9 +100,10 @@ pub fn minimum_degree(pattern: &CsrMatrix) -> Result<Permutation, FactorError> {
 
 /// Nested dissection along the coordinates, followed by a postorder of the elimination tree.
 ///
-/// Each part is cut at the median of its longest axis; the separator is the layer of the smaller side that touches
-/// the other one in `pattern` (so it is wide enough for any stencil), and is eliminated after both sides. Parts
-/// of at most 200 unknowns are left to minimum degree.
+/// Each part is cut where the layer that must be removed is thinnest, near the middle of one of its longer axes or of the
+/// distances within the part (which cut folded surfaces better than any plane); the separator is the smallest set of vertices that
+/// meets every edge of `pattern` across the cut, and is eliminated after both sides. Parts of at most 200 unknowns are left to minimum
+/// degree. Halves run side by side.
 ///
 /// # Arguments
 /// * `pattern`: `n x n`, symmetric; values are not read.
@@ -57,109 +113,28 @@ pub fn minimum_degree(pattern: &CsrMatrix) -> Result<Permutation, FactorError> {
 /// [`FactorError::NotSquare`], [`FactorError::CoordinateCount`], [`FactorError::Engine`].
 ///
 /// # Cost
-/// O(n log n + entries x depth) time, O(n) extra memory.
+/// O(n log n + entries x depth) time, O(entries) extra memory.
 ///
 /// # Source
-/// George 1973; measured against METIS in planar meshes: the same work from 250,000 unknowns on, a seventh of the time to find it.
+/// George 1973; Pothen and Fan 1990 (separators from matchings).
 pub fn nested_dissection(pattern: &CsrMatrix, coordinates: &[[f64; 3]]) -> Result<Permutation, FactorError> {
     check_square(pattern)?;
-    let n = pattern.rows();
-    if coordinates.len() != n {
-        return Err(FactorError::CoordinateCount { expected: n, found: coordinates.len() });
-    }
-    let mut dissection = Dissection { pattern, coordinates, side: vec![0; n], local: vec![0; n], order: Vec::with_capacity(n) };
-    let mut all: Vec<u32> = (0..n as u32).collect();
-    dissection.part(&mut all)?;
-    let order = dissection.order;
+    check_count(pattern, Some(coordinates))?;
+    let (starts, indices) = pattern_arrays(pattern);
+    let order = dissected(&starts, &indices, coordinates)?;
     Ok(postordered(pattern, Permutation::from_parts(order)))
 }
 
-/// The state of a dissection: where the current part's unknowns stand, and what has been ordered so far.
-struct Dissection<'a> {
-    pattern: &'a CsrMatrix,
-    coordinates: &'a [[f64; 3]],
-    /// 0: outside the current part, 1: first side, 2: second side, 3: separator.
-    side: Vec<u8>,
-    /// Position within a leaf.
-    local: Vec<u32>,
-    order: Vec<u32>,
+fn dissected(starts: &[u32], indices: &[u32], places: &[[f64; 3]]) -> Result<Vec<u32>, FactorError> {
+    Part::whole(starts, indices, places).dissect(places)
 }
 
-impl Dissection<'_> {
-    fn part(&mut self, part: &mut [u32]) -> Result<(), FactorError> {
-        if part.len() <= LEAF {
-            return self.leaf(part);
+fn check_count(pattern: &CsrMatrix, coordinates: Option<&[[f64; 3]]>) -> Result<(), FactorError> {
+    match coordinates {
+        Some(places) if places.len() != pattern.rows() => {
+            Err(FactorError::CoordinateCount { expected: pattern.rows(), found: places.len() })
         }
-        let axis = self.longest_axis(part);
-        let key = |&vertex: &u32| (self.coordinates[vertex as usize][axis], vertex);
-        let middle = part.len() / 2;
-        part.select_nth_unstable_by(middle, |a, b| {
-            let ((x, i), (y, j)) = (key(a), key(b));
-            x.total_cmp(&y).then(i.cmp(&j))
-        });
-        for (position, &vertex) in part.iter().enumerate() {
-            self.side[vertex as usize] = if position < middle { 1 } else { 2 };
-        }
-        let touching = |from: u8, to: u8| -> Vec<u32> {
-            let touches = |vertex: &u32| self.pattern.row(*vertex as usize).0.iter().any(|&other| self.side[other as usize] == to);
-            part.iter().copied().filter(|&vertex| self.side[vertex as usize] == from && touches(&vertex)).collect()
-        };
-        let (first, second) = (touching(1, 2), touching(2, 1));
-        let mut separator = if first.len() <= second.len() { first } else { second };
-        for &vertex in &separator {
-            self.side[vertex as usize] = 3;
-        }
-        let mut sides = [Vec::with_capacity(middle), Vec::with_capacity(part.len() - middle)];
-        for &vertex in part.iter() {
-            match self.side[vertex as usize] {
-                1 => sides[0].push(vertex),
-                2 => sides[1].push(vertex),
-                _ => {}
-            }
-            self.side[vertex as usize] = 0;
-        }
-        for side in &mut sides {
-            self.part(side)?;
-        }
-        // Within the separator any order gives the same fill; along the cut keeps neighbours together.
-        separator.sort_unstable();
-        self.order.extend(separator);
-        Ok(())
-    }
-
-    fn leaf(&mut self, part: &mut [u32]) -> Result<(), FactorError> {
-        part.sort_unstable();
-        for (position, &vertex) in part.iter().enumerate() {
-            self.side[vertex as usize] = 1;
-            self.local[vertex as usize] = position as u32;
-        }
-        let mut starts = Vec::with_capacity(part.len() + 1);
-        let mut indices = Vec::new();
-        starts.push(0u32);
-        for &vertex in part.iter() {
-            let inside = self.pattern.row(vertex as usize).0.iter().filter(|&&other| self.side[other as usize] == 1);
-            indices.extend(inside.map(|&other| self.local[other as usize]));
-            starts.push(indices.len() as u32);
-        }
-        for &vertex in part.iter() {
-            self.side[vertex as usize] = 0;
-        }
-        let order = approximate_minimum_degree(part.len(), &starts, &indices)?;
-        self.order.extend(order.iter().map(|&local| part[local as usize]));
-        Ok(())
-    }
-
-    fn longest_axis(&self, part: &[u32]) -> usize {
-        let mut low = [f64::INFINITY; 3];
-        let mut high = [f64::NEG_INFINITY; 3];
-        for &vertex in part {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(self.coordinates[vertex as usize][axis]);
-                high[axis] = high[axis].max(self.coordinates[vertex as usize][axis]);
-            }
-        }
-        let extent = |axis: usize| high[axis] - low[axis];
-        (1..3).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best })
+        _ => Ok(()),
     }
 }
 
@@ -183,7 +158,7 @@ fn pattern_arrays(pattern: &CsrMatrix) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// faer's order of a symmetric pattern given by both triangles.
-fn approximate_minimum_degree(n: usize, starts: &[u32], indices: &[u32]) -> Result<Vec<u32>, FactorError> {
+pub(super) fn approximate_minimum_degree(n: usize, starts: &[u32], indices: &[u32]) -> Result<Vec<u32>, FactorError> {
     if n == 0 {
         return Ok(Vec::new());
     }

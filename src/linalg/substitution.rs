@@ -77,8 +77,10 @@ impl<T: Value> Substitution<'_, T> {
     /// `x := inverse(L) x`.
     fn upwards<'t, const W: usize>(&self, task: &'t Task, x: &mut [T]) -> Output<'t, T> {
         let (own, below) = self.parts::<W>(task, x);
-        let inputs: Vec<Output<'t, T>> =
-            below.into_par_iter().with_max_len(1).map(|(inner, x)| self.upwards::<W>(inner, x)).collect();
+        let inputs: Vec<Output<'t, T>> = match below.len() {
+            0 => Vec::new(),
+            _ => below.into_par_iter().with_max_len(1).map(|(inner, x)| self.upwards::<W>(inner, x)).collect(),
+        };
         let mut stacks = task.vectors.map(|length| self.pool.take(length * W));
         for (begin, end, mut x) in own {
             for supernode in begin..end {
@@ -150,12 +152,12 @@ impl<T: Value> Substitution<'_, T> {
                 self.down::<W>(supernode, here, &mut memory, above);
             }
         }
-        if let Some(branch) = task.branch {
-            let place = self.places.downwards[branch] * W;
-            let local = &memory[place..place + self.assembly.height(branch) * W];
-            below.into_par_iter().with_max_len(1).for_each(|(inner, x)| self.downwards::<W>(inner, x, (branch, local)));
-        } else {
-            below.into_par_iter().with_max_len(1).for_each(|(inner, x)| self.downwards::<W>(inner, x, (NONE as usize, &[])));
+        if !below.is_empty() {
+            let above = task.branch.map_or((NONE as usize, &[][..]), |branch| {
+                let place = self.places.downwards[branch] * W;
+                (branch, &memory[place..place + self.assembly.height(branch) * W])
+            });
+            below.into_par_iter().with_max_len(1).for_each(|(inner, x)| self.downwards::<W>(inner, x, above));
         }
         self.pool.give(memory);
     }

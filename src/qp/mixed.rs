@@ -140,19 +140,20 @@ impl Layout {
             triplets.extend([(row, column, 0.0), (column, row, 0.0)]);
         }
         let place = |vertex: u32| self.unknown(vertex as usize) as u32;
-        for other in others {
+        let mut graphs = others.to_vec();
+        if let Some(Term::Chain { stiffness, .. }) = term {
+            // Rows between neighbours, and matrices like this one, must find their places.
+            graphs.push(stiffness);
+        }
+        for graph in &graphs {
             for row in 0..n as u32 {
-                triplets.extend(other.row(row as usize).0.iter().map(|&column| (place(row), place(column), 0.0)));
+                triplets.extend(graph.row(row as usize).0.iter().map(|&column| (place(row), place(column), 0.0)));
             }
         }
         triplets.extend((0..size as u32).map(|unknown| (unknown, unknown, 0.0)));
         let outside = |_| FactorError::NotSquare { rows: size, columns: size };
         let pattern = CsrMatrix::from_triplets(size, size, &triplets).map_err(outside)?;
         drop(triplets);
-        let mut graphs = others.to_vec();
-        if let Some(Term::Chain { stiffness, .. }) = term {
-            graphs.push(stiffness);
-        }
         let vertices = fill_reducing_order(&CsrMatrix::union_of_patterns(n, &graphs), coordinates)?;
         let order = self.order as u32;
         let expanded = vertices.order().iter().flat_map(|&vertex| (0..order).map(move |place| vertex * order + place)).collect();

@@ -1,5 +1,6 @@
 //! The two forms of the linear systems against each other.
 
+use morsmooth::linalg::CsrMatrix;
 use morsmooth::qp::{Engine, KktForm, Objective, Problem, QpStatus, Settings, Term};
 
 use super::problems::{Case, instance};
@@ -21,7 +22,8 @@ fn both_forms_find_the_same_minimisers() {
             });
             assert!((formed.objective - mixed.objective).abs() <= 1e-12 * formed.objective, "{k} {case:?}");
             assert!(largest_difference(&formed.x, &mixed.x) < 1e-9, "{k} {case:?}: {}", largest_difference(&formed.x, &mixed.x));
-            assert!(mixed.stationarity < 1e-9);
+            // Without data at order 4 the forces themselves are near the rounding of the gradient.
+            assert!(mixed.stationarity <= f64::max(1e-9, 10.0 * formed.stationarity));
         }
     }
 }
@@ -60,10 +62,31 @@ fn the_mixed_form_is_taken_where_rounding_would_win() {
 fn without_digits_in_the_formed_matrix_the_mixed_form_still_solves() {
     let made = instance(110, 4, Case::NoData, 3);
     let Problem { objective, fixed, .. } = &made.problem;
+    // Numbered backwards, everything is eliminated in another order with other rounding.
+    let minimum = |backwards: bool| {
+        let mut objective = objective.clone();
+        let mut fixed = fixed.clone();
+        let Term::Chain { stiffness, weights, .. } = &mut objective.terms[0] else { panic!("the chain comes first") };
+        if backwards {
+            let n = weights.len() as u32;
+            let mirrored: Vec<(u32, u32, f64)> = (0..n)
+                .flat_map(|row| {
+                    let (columns, values) = stiffness.row(row as usize);
+                    columns.iter().zip(values).map(move |(&column, &value)| (n - 1 - row, n - 1 - column, value)).collect::<Vec<_>>()
+                })
+                .collect();
+            *stiffness = CsrMatrix::from_triplets(n as usize, n as usize, &mirrored).unwrap();
+            weights.reverse();
+            fixed.reverse();
+        }
+        Engine::in_form(&objective, None, None, KktForm::Mixed).unwrap().minimise(&objective, &fixed).unwrap().objective
+    };
+    let (one, other) = (minimum(false), minimum(true));
+    assert!((one - other).abs() <= 1e-8 * one, "{one:e} {other:e}");
     let mut engine = Engine::in_form(objective, None, Some(&made.coordinates), KktForm::Mixed).unwrap();
-    assert!(engine.minimise(objective, fixed).unwrap().stationarity < 1e-8);
     let solution = engine.solve(&made.problem, Some(&made.start), &Settings::default(), &mut |_| {}).unwrap();
     assert_eq!(solution.status, QpStatus::Solved, "{:?}", solution.kkt);
+    assert!(solution.objective >= one * (1.0 - 1e-8));
 }
 
 #[test]
