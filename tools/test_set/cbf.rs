@@ -23,12 +23,12 @@ pub fn write(path: &Path, scene: &Scene, options: DeformOptions, problem: &Probl
     let (mut entries, mut sides) = (Vec::new(), Vec::new());
     for element in 0..rest.element_count() {
         let root = rest.measures()[element].sqrt();
-        for axis in 0..dimension {
+        for (axis, (stretch, turn)) in gradients[element].iter().zip(&scene.rotations[element]).enumerate().take(dimension) {
             for column in 0..dimension {
                 for (&vertex, gradient) in rest.corners(element).iter().zip(rest.gradients(element)) {
                     entries.push((sides.len() + 2, vertex as usize * dimension + axis + 1, root * gradient[column]));
                 }
-                sides.push(root * (gradients[element][axis][column] - scene.rotations[element][axis][column]));
+                sides.push(root * (stretch[column] - turn[column]));
             }
         }
     }
