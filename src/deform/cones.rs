@@ -31,10 +31,10 @@ pub(super) fn matrix(rest: &RestShape, rotations: &[[[f64; 3]; 3]]) -> CsrMatrix
         for (row, &(a, b)) in TRIANGLE[..rows].iter().enumerate() {
             let scale = if a == b { 0.5 } else { FRAC_1_SQRT_2 };
             for (corner, (&vertex, gradient)) in rest.corners(element).iter().zip(rest.gradients(element)).enumerate() {
-                for axis in 0..dimension {
+                for (axis, turned) in rotation.iter().enumerate().take(dimension) {
                     let place = row * width + corner * dimension + axis;
                     indices[place] = vertex * dimension as u32 + axis as u32;
-                    values[place] = scale * (rotation[axis][a] * gradient[b] + rotation[axis][b] * gradient[a]);
+                    values[place] = scale * (turned[a] * gradient[b] + turned[b] * gradient[a]);
                 }
             }
         }

@@ -68,11 +68,13 @@ fn disc(cells: usize, radius: f64, degrees: f64, shift: [f64; 2]) -> Scene {
         let from = [point[0] - 0.5, point[1] - 0.5, 0.0];
         let outer = point[..2].iter().any(|&part| part == 0.0 || (part - 1.0).abs() < 1e-12);
         if outer {
-            (handles.push(vertex.into()), targets.push(point));
+            handles.push(vertex.into());
+            targets.push(point);
             angles[vertex] = Some(0.0);
         } else if from[0].hypot(from[1]) <= radius * (1.0 + 1e-9) {
             let to = rotated(&matrix, from);
-            (handles.push(vertex.into()), targets.push([0.5 + to[0] + shift[0], 0.5 + to[1] + shift[1], 0.0]));
+            handles.push(vertex.into());
+            targets.push([0.5 + to[0] + shift[0], 0.5 + to[1] + shift[1], 0.0]);
             angles[vertex] = Some(angle);
         }
     }
@@ -138,9 +140,11 @@ pub fn ball(cells: usize) -> Scene {
         let axis = (p[0] - 0.5).hypot(p[1] - 0.5);
         let height = (p[2] - 0.5).abs();
         if height <= 0.6 * step && axis >= 0.5 - 0.75 * step {
-            (handles.push(vertex.into()), targets.push([0.5 + 0.3 * (p[0] - 0.5), 0.5 + 0.3 * (p[1] - 0.5), p[2]]));
+            handles.push(vertex.into());
+            targets.push([0.5 + 0.3 * (p[0] - 0.5), 0.5 + 0.3 * (p[1] - 0.5), p[2]]);
         } else if height >= 0.5 - 0.6 * step {
-            (handles.push(vertex.into()), targets.push(p));
+            handles.push(vertex.into());
+            targets.push(p);
         }
     }
     let identity = vec![turn(0.0); complex.simplex_count()];

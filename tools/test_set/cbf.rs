@@ -21,14 +21,14 @@ pub fn write(path: &Path, scene: &Scene, options: DeformOptions, problem: &Probl
     let gradients = rest.deformation_gradients(&reference)?;
     let dimension = rest.dimension();
     let (mut entries, mut sides) = (Vec::new(), Vec::new());
-    for element in 0..rest.element_count() {
+    for (element, (stretch, turn)) in gradients.iter().zip(&scene.rotations).enumerate() {
         let root = rest.measures()[element].sqrt();
-        for axis in 0..dimension {
+        for (axis, (stretch, turn)) in stretch.iter().zip(turn).enumerate().take(dimension) {
             for column in 0..dimension {
                 for (&vertex, gradient) in rest.corners(element).iter().zip(rest.gradients(element)) {
                     entries.push((sides.len() + 2, vertex as usize * dimension + axis + 1, root * gradient[column]));
                 }
-                sides.push(root * (gradients[element][axis][column] - scene.rotations[element][axis][column]));
+                sides.push(root * (stretch[column] - turn[column]));
             }
         }
     }

@@ -7,7 +7,6 @@ use morsmooth::qp::{Engine, Penalty, PenaltyOptions, Problem, QpStatus, Settings
 fn scenes() -> Vec<(&'static str, Scene)> {
     vec![
         ("quad", scenes::quad(12)),
-        ("swirl 90", scenes::swirl(12, 90.0)),
         ("swirl 150", scenes::swirl(12, 150.0)),
         ("ball", scenes::ball(6)),
         ("bar", scenes::bar(10, 2, 170.0)),
@@ -24,7 +23,7 @@ fn places(scene: &Scene, deformer: &Deformer, displacements: &[f64]) -> Vec<f64>
 }
 
 fn by_penalty(deformer: &Deformer, problem: &Problem, penalty: Penalty) -> Solution {
-    let options = PenaltyOptions::with(penalty);
+    let options = PenaltyOptions { weights: Some(deformer.rest().measures().to_vec()), ..PenaltyOptions::with(penalty) };
     engine(deformer, problem).solve_penalty(problem, None, &Settings::default(), &options, &mut |_| {}).unwrap()
 }
 
