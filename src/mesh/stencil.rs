@@ -9,6 +9,12 @@ use std::sync::LazyLock;
 /// Steps S1 to Sk from the anchor, padded with 0.
 pub(super) type Chain = [u8; 3];
 
+/// By dimension: the chains in the order of cell numbers.
+type Chains = [Vec<Chain>; 4];
+
+/// Cells beside another one, by all chains, its dimension and its own chain.
+type Beside<'a> = &'a dyn Fn(&Chains, usize, Chain) -> Vec<Place>;
+
 /// A cell beside another one, or at a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Place {
@@ -27,8 +33,8 @@ pub(super) struct Place {
 /// Cells and incidences of one dimension of lattice.
 #[derive(Debug)]
 pub(super) struct Stencil {
-    /// By dimension: the chains in the order of cell numbers.
-    pub chains: [Vec<Chain>; 4],
+    /// The types.
+    pub chains: Chains,
     /// By dimension and type: the facets, without the last vertex first.
     pub facets: [Vec<Vec<Place>>; 4],
     /// By dimension and type: the cofacets, lowest number first.
@@ -46,7 +52,7 @@ pub(super) fn stencil(dimension: usize) -> &'static Stencil {
 impl Stencil {
     fn new(dimension: usize) -> Self {
         let chains = chains(dimension);
-        let of_all = |list: &dyn Fn(&[Vec<Chain>; 4], usize, Chain) -> Vec<Place>| {
+        let of_all = |list: Beside| {
             let of_dimension = |k: usize| chains[k].iter().map(|&chain| list(&chains, k, chain)).collect();
             [0, 1, 2, 3].map(of_dimension)
         };
@@ -58,7 +64,7 @@ impl Stencil {
 }
 
 /// Chains in lexicographic order; those of tetrahedra as [`Grid`](super::Grid) lists the tetrahedra of a cube.
-fn chains(dimension: usize) -> [Vec<Chain>; 4] {
+fn chains(dimension: usize) -> Chains {
     let steps = 1u8..1 << dimension;
     let mut chains = [vec![[0; 3]], Vec::new(), Vec::new(), Vec::new()];
     for a in steps.clone() {
@@ -73,11 +79,11 @@ fn chains(dimension: usize) -> [Vec<Chain>; 4] {
     chains
 }
 
-fn kind(chains: &[Vec<Chain>; 4], dimension: usize, chain: Chain) -> u8 {
+fn kind(chains: &Chains, dimension: usize, chain: Chain) -> u8 {
     chains[dimension].iter().position(|&other| other == chain).unwrap_or_default() as u8
 }
 
-fn facets(chains: &[Vec<Chain>; 4], k: usize, chain: Chain) -> Vec<Place> {
+fn facets(chains: &Chains, k: usize, chain: Chain) -> Vec<Place> {
     if k == 0 {
         return Vec::new();
     }
@@ -94,7 +100,7 @@ fn facets(chains: &[Vec<Chain>; 4], k: usize, chain: Chain) -> Vec<Place> {
     (0..=k).rev().map(facet).collect()
 }
 
-fn cofacets(chains: &[Vec<Chain>; 4], k: usize, chain: Chain, all: u8) -> Vec<Place> {
+fn cofacets(chains: &Chains, k: usize, chain: Chain, all: u8) -> Vec<Place> {
     if k == 3 || chains[k + 1].is_empty() {
         return Vec::new();
     }
@@ -117,7 +123,7 @@ fn cofacets(chains: &[Vec<Chain>; 4], k: usize, chain: Chain, all: u8) -> Vec<Pl
     places
 }
 
-fn star(chains: &[Vec<Chain>; 4]) -> Vec<Place> {
+fn star(chains: &Chains) -> Vec<Place> {
     let mut star = Vec::new();
     for (k, chains) in chains.iter().enumerate() {
         let mut cells = Vec::new();
