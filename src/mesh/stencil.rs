@@ -12,6 +12,9 @@ pub(super) type Chain = [u8; 3];
 /// By dimension: the chains in the order of cell numbers.
 type Chains = [Vec<Chain>; 4];
 
+/// Most types of cells of one dimension.
+const KINDS: usize = 12;
+
 /// Cells beside another one, by all chains, its dimension and its own chain.
 type Beside<'a> = &'a dyn Fn(&Chains, usize, Chain) -> Vec<Place>;
 
@@ -30,15 +33,38 @@ pub(super) struct Place {
     pub not_at: u8,
 }
 
-/// Cells and incidences of one dimension of lattice.
+/// A few places, in an array rather than a list: what looks up millions of cells waits for one address only.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Places {
+    count: u8,
+    list: [Place; 14],
+}
+
+impl Places {
+    fn new(places: &[Place]) -> Self {
+        let mut list = [Place { dimension: 0, kind: 0, back: 0, forward: 0, not_at: 0 }; 14];
+        list[..places.len()].copy_from_slice(places);
+        Self { count: places.len() as u8, list }
+    }
+}
+
+impl std::ops::Deref for Places {
+    type Target = [Place];
+
+    fn deref(&self) -> &[Place] {
+        &self.list[..self.count as usize]
+    }
+}
+
+/// Cells and incidences of one dimension of lattice, by dimension and type of the cell.
 #[derive(Debug)]
 pub(super) struct Stencil {
     /// The types.
-    pub chains: Chains,
-    /// By dimension and type: the facets, without the last vertex first.
-    pub facets: [Vec<Vec<Place>>; 4],
-    /// By dimension and type: the cofacets, lowest number first.
-    pub cofacets: [Vec<Vec<Place>>; 4],
+    pub chains: [[Chain; KINDS]; 4],
+    /// The facets, without the last vertex first.
+    pub facets: [[Places; KINDS]; 4],
+    /// The cofacets, lowest number first.
+    pub cofacets: [[Places; KINDS]; 4],
     /// All cells with a point, by dimension, lowest number first.
     pub star: Vec<Place>,
 }
@@ -53,13 +79,23 @@ impl Stencil {
     fn new(dimension: usize) -> Self {
         let chains = chains(dimension);
         let of_all = |list: Beside| {
-            let of_dimension = |k: usize| chains[k].iter().map(|&chain| list(&chains, k, chain)).collect();
-            [0, 1, 2, 3].map(of_dimension)
+            [0, 1, 2, 3].map(|k: usize| {
+                let mut of_kinds = [Places::new(&[]); KINDS];
+                for (places, &chain) in of_kinds.iter_mut().zip(&chains[k]) {
+                    *places = Places::new(&list(&chains, k, chain));
+                }
+                of_kinds
+            })
         };
         let facets = of_all(&facets);
         let cofacets = of_all(&|chains, k, chain| cofacets(chains, k, chain, (1 << dimension) - 1));
         let star = star(&chains);
-        Self { chains, facets, cofacets, star }
+        let padded = |list: &Vec<Chain>| {
+            let mut chains = [[0; 3]; KINDS];
+            chains[..list.len()].copy_from_slice(list);
+            chains
+        };
+        Self { chains: [0, 1, 2, 3].map(|k: usize| padded(&chains[k])), facets, cofacets, star }
     }
 }
 
