@@ -5,7 +5,9 @@
 
 mod ascent;
 mod basins;
+mod cancellations;
 mod complex;
+mod connector;
 mod curve;
 mod diagram;
 mod error;
@@ -41,7 +43,8 @@ pub use error::MorseError;
 pub use extremum_graph::{Cancellation, ExtremumGraph, Saddle};
 pub use crate::mesh::Cell;
 pub use gradient::{DiscreteGradient, Pairing, discrete_gradient};
-pub use hierarchy::{CellCancellation, MorseHierarchy};
+pub use cancellations::CellCancellation;
+pub use hierarchy::{MorseHierarchy, SaddlePairs};
 pub use morse_smale::{CriticalPoint, LineKind, MorseSmaleComplex, SeparatrixLine};
 pub use pairs::{ExtremumKind, ExtremumPair, extremum_pairs};
 pub use segmentation::{MorseSmaleSegmentation, Segmentation};
