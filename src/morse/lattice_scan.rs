@@ -21,11 +21,11 @@ impl LatticeScan {
         let steps = lattice.steps();
         let mut shifts = [0; SLOTS];
         let mut present = [0; 64];
-        for step in 1..=half {
+        for (step, &distance) in steps.iter().enumerate().take(half + 1).skip(1) {
             // Neighbours by rising number: the furthest back first.
             let (before, after) = (half - step, half + step - 1);
-            shifts[before] = steps[step].wrapping_neg();
-            shifts[after] = steps[step];
+            shifts[before] = distance.wrapping_neg();
+            shifts[after] = distance;
             for (rims, present) in present.iter_mut().enumerate() {
                 *present |= u16::from(rims & step == 0) << before;
                 *present |= u16::from(rims >> 3 & step == 0) << after;
@@ -44,10 +44,9 @@ impl LatticeScan {
         let mut place = self.lattice.coordinates(VertexId::from(points.start));
         for point in points {
             let mut rims = 0;
-            for axis in 0..3 {
-                // Axes beyond the dimension have both rims everywhere, and no step along them.
-                rims |= usize::from(place[axis] == 0) << axis;
-                rims |= usize::from(place[axis] + 1 == self.sizes[axis]) << (3 + axis);
+            // Axes beyond the dimension have both rims everywhere, and no step along them.
+            for (axis, (&place, &size)) in place.iter().zip(&self.sizes).enumerate() {
+                rims |= usize::from(place == 0) << axis | usize::from(place + 1 == size) << (3 + axis);
             }
             visit(point as u32, rims);
             place[0] += 1;

@@ -19,7 +19,8 @@ const FRESH: &str = "MALLOC_MMAP_THRESHOLD_";
 fn main() {
     if std::env::var_os(FRESH).is_none() {
         // The allocator would keep freed memory, and peaks would not be seen.
-        let again = std::process::Command::new(std::env::current_exe().unwrap()).args(std::env::args().skip(1)).env(FRESH, "65536").status();
+        let program = std::env::current_exe().unwrap();
+        let again = std::process::Command::new(program).args(std::env::args().skip(1)).env(FRESH, "65536").status();
         return assert!(again.unwrap().success());
     }
     let filter = std::env::args().nth(1).unwrap_or_default();
