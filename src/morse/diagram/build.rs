@@ -161,33 +161,59 @@ impl<'a> Matching<'a> {
     }
 
     fn diagram<T: Triangulation>(self, landscape: &Landscape<'_, T>) -> PersistenceDiagram {
-        let mut pairs: Vec<(Ranks, PersistencePair)> = Vec::new();
         let (mut critical_counts, mut instant_counts) = ([0; 4], [0; 4]);
+        let mut listed = Vec::new();
         for (dimension, cells) in self.critical.iter().enumerate() {
+            let births: Vec<PersistencePair> = (0..cells.len())
+                .into_par_iter()
+                .filter(|&place| !self.ends[dimension][place])
+                .filter_map(|place| self.pair(landscape, dimension, place))
+                .collect();
             critical_counts[dimension] = cells.len();
-            let listed = pairs.len();
-            let births = (0..cells.len()).into_par_iter().filter(|&place| !self.ends[dimension][place]);
-            pairs.par_extend(births.filter_map(|place| {
-                let birth = cells.cell(place as u32);
-                let ranks = landscape.ranks(birth);
-                let death = self.deaths[dimension][place].map(|place| self.critical[dimension + 1].cell(place));
-                let level = death.map(|death| landscape.level(death));
-                let pair = PersistencePair {
-                    birth,
-                    death,
-                    birth_vertex: landscape.vertex_at(ranks[0]),
-                    death_vertex: level.map(|level| landscape.vertex_at(level)),
-                    dimension: dimension as u8,
-                };
-                (level != Some(ranks[0])).then_some((ranks, pair))
-            }));
-            let births = self.ends[dimension].iter().filter(|&&ends| !ends).count();
-            instant_counts[dimension] = births - (pairs.len() - listed);
+            let ending = self.ends[dimension].iter().filter(|&&ends| ends).count();
+            instant_counts[dimension] = cells.len() - ending - births.len();
+            listed.push(births);
         }
-        // No two cells have the same vertices, so an unstable sort has one possible result.
-        pairs.par_sort_unstable_by_key(|&(ranks, _)| ranks);
-        let pairs = pairs.into_iter().map(|(_, pair)| pair).collect();
+        let pairs = by_birth(landscape, &listed);
         let (dimension, highest_vertex) = (landscape.dimension(), landscape.highest_vertex());
         PersistenceDiagram { dimension, pairs, critical_counts, instant_counts, highest_vertex }
     }
+
+    /// The class that a cell begins, unless it ends at the vertex at which it begins.
+    fn pair<T: Triangulation>(
+        &self,
+        landscape: &Landscape<'_, T>,
+        dimension: usize,
+        place: usize,
+    ) -> Option<PersistencePair> {
+        let level = self.critical[dimension].levels()[place];
+        let death = self.deaths[dimension][place];
+        let death_level = death.map(|place| self.critical[dimension + 1].levels()[place as usize]);
+        (death_level != Some(level)).then(|| PersistencePair {
+            birth: self.critical[dimension].cell(place as u32),
+            death: death.map(|place| self.critical[dimension + 1].cell(place)),
+            birth_vertex: landscape.vertex_at(level),
+            death_vertex: death_level.map(|level| landscape.vertex_at(level)),
+            dimension: dimension as u8,
+        })
+    }
 }
+
+/// Merges lists of pairs that are sorted by birth.
+fn by_birth<T: Triangulation>(landscape: &Landscape<'_, T>, lists: &[Vec<PersistencePair>]) -> Vec<PersistencePair> {
+    let mut merged = Vec::with_capacity(lists.iter().map(Vec::len).sum());
+    let mut heads: Vec<(Ranks, std::slice::Iter<PersistencePair>)> = Vec::new();
+    let ranks = |pair: Option<&PersistencePair>| pair.map_or(PAST_ALL, |pair| landscape.ranks(pair.birth));
+    for list in lists {
+        heads.push((ranks(list.first()), list.iter()));
+    }
+    while let Some((head, rest)) = heads.iter_mut().min_by_key(|(head, _)| *head) {
+        let Some(pair) = rest.next() else { break };
+        merged.push(*pair);
+        *head = ranks(rest.as_slice().first());
+    }
+    merged
+}
+
+/// Above the ranks of every cell.
+const PAST_ALL: Ranks = [u32::MAX; 4];
