@@ -1,14 +1,14 @@
 //! The Morse–Smale complex over a field: separatrices and saddles.
 
 use super::canvas::Canvas;
-use super::colour::{INK, MAXIMUM, MINIMUM, Rgb, WHITE, mix};
+use super::colour::{MAXIMUM, MINIMUM, Rgb, WHITE, mix};
 use super::error::PlotError;
-use super::panel::{Shown, Spot, draw_mark};
+use super::panel::{Spot, draw_mark};
 use super::picture::{FieldView, Picture, PictureOptions, compose_with};
 use crate::mesh::{Cell, SimplicialComplex, Triangulation};
 use crate::morse::{LineKind, MorseSmaleComplex};
 
-const SADDLE: Rgb = [250, 176, 36];
+pub(super) const SADDLE: Rgb = [250, 176, 36];
 
 /// What is drawn over a field.
 pub(super) struct Overlay<'a> {
@@ -21,7 +21,7 @@ impl Overlay<'_> {
     ///
     /// # Arguments
     /// * `radius`: that of the marks of extrema, in pixels.
-    pub(super) fn draw(&self, canvas: &mut Canvas, spot: &dyn Fn(&[u32]) -> Spot, radius: f64, shown: &mut Shown) {
+    pub(super) fn draw(&self, canvas: &mut Canvas, spot: &dyn Fn(&[u32]) -> Spot, radius: f64) {
         let place = |cell: Cell| {
             let corners = self.complex.cell_vertices(cell);
             let numbers = [0, 1, 2, 3].map(|corner| corners.get(corner).map_or(0, |vertex| vertex.0));
@@ -31,9 +31,9 @@ impl Overlay<'_> {
         let width = (24.0 / (self.smale.lines.len().max(1) as f64).sqrt()).clamp(0.35, 1.1);
         for line in &self.smale.lines {
             let colour = match line.kind {
-                LineKind::Descending => mix(MINIMUM, INK, 0.35),
-                LineKind::Ascending => mix(MAXIMUM, INK, 0.35),
-                LineKind::Connector => mix(SADDLE, INK, 0.35),
+                LineKind::Descending => mix(MINIMUM, WHITE, 0.4),
+                LineKind::Ascending => mix(MAXIMUM, WHITE, 0.3),
+                LineKind::Connector => SADDLE,
             };
             let spots: Vec<Spot> = line.cells.iter().map(|&cell| place(cell)).collect();
             for step in spots.windows(2).filter(|step| !step[0].is_hidden && !step[1].is_hidden) {
@@ -43,10 +43,7 @@ impl Overlay<'_> {
         let dimension = self.complex.dimension() as u8;
         for point in self.smale.points.iter().filter(|point| (1..dimension).contains(&point.cell.dimension)) {
             let spot = place(point.cell);
-            if spot.is_hidden {
-                shown.hidden += 1;
-            } else {
-                canvas.disc(spot.at, 0.8 * radius + 0.6, WHITE);
+            if !spot.is_hidden {
                 draw_mark(canvas, spot.at, 0.7 * radius, SADDLE);
             }
         }

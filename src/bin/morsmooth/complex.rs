@@ -4,12 +4,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use morsmooth::field::VertexOrder;
 use morsmooth::io::{ArrayData, DataArray, DataSet, Numbering, PendingFile, TtkComplex, TtkError, is_same_file, write_temporary};
 use morsmooth::monotone::Precision;
 use morsmooth::morse::{
-    ExtremumKind, LineKind, MorseError, MorseHierarchy, MorseSmaleComplex, Selection, Threshold, extremum_pairs, range, select,
+    ExtremumKind, LineKind, MorseError, MorseHierarchy, MorseSmaleComplex, SaddlePairs, Selection, Threshold, extremum_pairs,
+    range, select,
 };
 use serde_json::{Value, json};
 
@@ -36,6 +37,10 @@ pub struct ComplexArgs {
     #[command(flatten)]
     pub level: LevelArgs,
 
+    /// Pairs of a 1-saddle and a 2-saddle in 3-D: cancel those that one V-path connects, or keep them all.
+    #[arg(long, value_enum, default_value_t = SaddlesKind::Cancel)]
+    pub saddles: SaddlesKind,
+
     /// Draw the field with its critical points and separatrices (complex.png) into this directory.
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
@@ -43,6 +48,15 @@ pub struct ComplexArgs {
     /// What is said, and threads.
     #[command(flatten)]
     pub talk: TalkArgs,
+}
+
+/// Values of `--saddles`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SaddlesKind {
+    /// They cancel where one V-path connects them.
+    Cancel,
+    /// They stay.
+    Keep,
 }
 
 /// How far the complex is simplified; not at all by default.
@@ -91,10 +105,15 @@ pub fn run(args: &ComplexArgs) -> Result<Outcome, Failure> {
     talk.stage("discrete gradient");
     let morse = |error: MorseError| Failure::file(&input.path, error);
     let order = VertexOrder::of_values(&input.values).map_err(|error| Failure::file(&input.path, error))?;
-    let mut hierarchy = MorseHierarchy::new(&input.domain.complex, &input.values, &order).map_err(morse)?;
+    let selection = args.level.selection();
+    let saddles = match args.saddles {
+        SaddlesKind::Cancel if selection.is_some() => SaddlePairs::Cancel,
+        SaddlesKind::Cancel | SaddlesKind::Keep => SaddlePairs::Keep,
+    };
+    let mut hierarchy = MorseHierarchy::new(&input.domain.complex, &input.values, &order, saddles).map_err(morse)?;
     let unsimplified = hierarchy.gradient().critical_counts();
     talk.stage("simplification");
-    let threshold = simplify(args, &input, &mut hierarchy).map_err(morse)?;
+    let threshold = simplify(selection.as_ref(), &input, &mut hierarchy).map_err(morse)?;
     talk.stage("separatrices and segmentation");
     let complex = MorseSmaleComplex::new(&hierarchy);
     let seconds = begin.elapsed().as_secs_f64();
@@ -145,19 +164,23 @@ fn check_targets(args: &ComplexArgs, targets: &[PathBuf]) -> Result<(), Failure>
 }
 
 /// Simplifies as asked; the threshold in the units of the field, where there is one.
-fn simplify(args: &ComplexArgs, input: &FieldInput, hierarchy: &mut MorseHierarchy<'_>) -> Result<Option<f64>, MorseError> {
-    let Some(selection) = args.level.selection() else { return Ok(None) };
+fn simplify(
+    selection: Option<&Selection>,
+    input: &FieldInput,
+    hierarchy: &mut MorseHierarchy<'_>,
+) -> Result<Option<f64>, MorseError> {
+    let Some(selection) = selection else { return Ok(None) };
     let (complex, order) = (hierarchy.complex(), hierarchy.order());
     let [minima, maxima] =
         [ExtremumKind::Minimum, ExtremumKind::Maximum].map(|kind| extremum_pairs(complex, order, kind));
-    match &selection {
+    match selection {
         Selection::Threshold(threshold) => {
             let resolved = threshold.resolve(range(&minima, &maxima, &input.values))?;
             hierarchy.at(resolved);
             Ok(Some(resolved))
         }
         Selection::Count(_) | Selection::Set(_) => {
-            hierarchy.keeping(&select(&minima, &maxima, &input.values, &selection)?);
+            hierarchy.keeping(&select(&minima, &maxima, &input.values, selection)?);
             Ok(None)
         }
     }
