@@ -28,7 +28,8 @@ use super::reduction::Boundary;
 ///
 /// # Cost
 /// That of the gradient, and about linear time for dimension 0 and the last one; in three dimensions, the reduction of a
-/// sparse matrix of the saddles that are left. Parallel; the result does not depend on the number of threads.
+/// sparse matrix of the saddles that are left: 1 to 4 microseconds a pair on noise, but more than linear where tunnels are
+/// bounded by very long cycles. Less than 100 bytes a vertex on a noisy 3-D grid, gradient included. Parallel; the result does not depend on the number of threads.
 ///
 /// # Source
 /// Guillou, Vidal, Tierny 2023, *Discrete Morse Sandwich: fast computation of persistence diagrams for scalar data*.
@@ -57,6 +58,9 @@ pub fn persistence_diagram<T: Triangulation>(mesh: &T, order: &VertexOrder) -> R
 /// * `mesh`, `order`: as in [`persistence_diagram`].
 /// * `gradient`: what [`discrete_gradient`] made of the two; one with cancelled pairs does not follow the order and gives
 ///   a diagram of no meaning.
+///
+/// # Panics
+/// If the order or the gradient is of another number of vertices or cells.
 ///
 /// # Cost
 /// As [`persistence_diagram`], without the gradient.
@@ -87,7 +91,10 @@ pub enum DiagramStage {
 ///
 /// # Arguments
 /// * `mesh`, `order`, `gradient`: as there.
-/// * `done`: called after each stage.
+/// * `done`: called after each stage, in the order of [`DiagramStage`].
+///
+/// # Panics
+/// As there.
 pub fn diagram_of_gradient_by_stage<T: Triangulation>(
     mesh: &T,
     order: &VertexOrder,
