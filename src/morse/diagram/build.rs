@@ -16,7 +16,7 @@ use super::reduction::Boundary;
 /// The persistence diagram, in all dimensions, of the lower-star filtration of a vertex order.
 ///
 /// Coefficients are those modulo 2. The domain may have boundary, any number of components and any topology. Maxima on
-/// the boundary are in no pair, since the sublevel sets do not see them; [`extremum_pairs`](super::extremum_pairs) of
+/// the boundary are in no pair, since the sublevel sets do not see them; [`extremum_pairs`](crate::morse::extremum_pairs) of
 /// both kinds lists all extrema.
 ///
 /// # Arguments
