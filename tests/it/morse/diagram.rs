@@ -86,6 +86,34 @@ fn turning_a_field_on_a_closed_manifold_upside_down_swaps_birth_and_death() {
 }
 
 #[test]
+fn long_cycles_of_a_lattice_of_wires_are_dual_to_themselves() {
+    // Wires along all three axes with a little noise: tunnels between them are long sums of edges, and those of the
+    // field upside down are sums of other ones, but they must be the same pairs.
+    let size = 16;
+    let complex = meshes::three_torus(size);
+    let noise = meshes::noise(complex.vertex_count(), 3, 1 << 40);
+    let wires = |v: usize| {
+        let [a, b, c] = [v % size % 4, v / size % size % 4, v / size / size % 4];
+        u8::from(a == 0 && b == 0) + u8::from(b == 2 && c == 0) + u8::from(a == 2 && c == 2)
+    };
+    let values: Vec<f64> = noise.iter().enumerate().map(|(v, noise)| 1e-3 * noise - f64::from(wires(v))).collect();
+    let order = VertexOrder::of_values(&values).unwrap();
+    let tunnels = |diagram: &PersistenceDiagram| -> Vec<_> {
+        diagram.of_dimension(1).filter_map(|pair| Some((pair.birth_vertex, pair.death_vertex?))).collect()
+    };
+    let below = persistence_diagram(&complex, &order).unwrap();
+    let above = persistence_diagram(&complex, &order.reversed()).unwrap();
+    below.check_euler().unwrap();
+    assert_eq!([below.betti_numbers(), above.betti_numbers()], [[1, 3, 3, 1]; 2]);
+    let mut turned: Vec<_> = tunnels(&above).into_iter().map(|(birth, death)| (death, birth)).collect();
+    let mut found = tunnels(&below);
+    turned.sort_unstable();
+    found.sort_unstable();
+    assert!(found.len() > 300, "{}", found.len());
+    assert_eq!(found, turned);
+}
+
+#[test]
 fn extremum_pairs_are_the_first_dimension_and_on_closed_manifolds_the_last() {
     for (name, complex, _) in meshes::all() {
         let order = VertexOrder::of_values(&meshes::noise(complex.vertex_count(), 8, 50)).unwrap();
