@@ -58,7 +58,7 @@ pub struct MonotoneFit {
 pub struct MonotoneProblem {
     /// The problem, its objective divided by the total mass and by `unit²`.
     pub problem: Problem,
-    /// A strictly feasible point, `n` numbers.
+    /// Where the solve begins, `n` numbers: the pinned minimiser as it is, or, where a feasible field is known, a strictly feasible point.
     pub start: Vec<f64>,
     /// Middle of the data, in their units.
     pub shift: f64,
@@ -193,9 +193,15 @@ impl<'a> Fitter<'a> {
             fixed,
             constraints: Constraints::nonnegative(rows, offset),
         };
-        let swept = sweep(constraints.graph, constraints.levels, near);
-        let mixed = swept.iter().zip(&constraints.levels.values).map(|(near, level)| near + LEVEL_SHARE * (level - near));
-        let start = mixed.map(|value| (value - shift) / unit).collect();
+        let start = match constraints.feasible {
+            // The engine makes more of how a minimiser violates the order than of a repaired one.
+            None => near.iter().map(|value| (value - shift) / unit).collect(),
+            Some(_) => {
+                let swept = sweep(constraints.graph, constraints.levels, near);
+                let mixed = swept.iter().zip(&constraints.levels.values).map(|(near, level)| near + LEVEL_SHARE * (level - near));
+                mixed.map(|value| (value - shift) / unit).collect()
+            }
+        };
         Ok(MonotoneProblem { problem, start, shift, unit })
     }
 
@@ -203,8 +209,8 @@ impl<'a> Fitter<'a> {
     ///
     /// # Arguments
     /// * `data`: `n` values.
-    /// * `near`: a field near the solution, such as the pinned minimiser; swept and mixed with the levels it is the
-    ///   strictly feasible start.
+    /// * `near`: a field near the solution, such as the pinned minimiser. The last round's solution, if the constraints name it as
+    ///   feasible, is swept and mixed with the levels.
     /// * `progress`: called once an iteration.
     ///
     /// # Errors

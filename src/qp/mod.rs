@@ -12,12 +12,14 @@
 //! The end of a solve is a [`QpStatus`] with [`KktResiduals`] on the problem as given; only `Solved` is success.
 
 mod blocks;
+mod centred;
 mod certificate;
 mod conflict;
 mod engine;
 mod error;
 mod interior;
 mod kkt;
+mod mixed;
 mod penalty;
 mod pinned;
 mod problem;
@@ -32,7 +34,8 @@ pub use certificate::Certificate;
 pub use engine::Engine;
 pub use error::QpError;
 pub use interior::solve;
+pub use mixed::KktForm;
 pub use penalty::{LineSearch, MatrixPenalty, Method, Penalty, PenaltyOptions, Preview, Until, solve_with};
 pub use pinned::{Minimum, PinnedSolver};
 pub use problem::{Cone, Constraints, Objective, Problem, Term};
-pub use solution::{KktResiduals, Progress, QpStatus, Settings, Solution, Timings};
+pub use solution::{Iterate, KktResiduals, Progress, QpStatus, Settings, Solution, Timings};

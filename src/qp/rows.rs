@@ -128,7 +128,7 @@ impl Rows {
                 continue;
             }
             let slot = |first: u32, second: u32| {
-                engine.symbolic.slot(first as usize, second as usize).map_err(|error| match error {
+                engine.slot(first as usize, second as usize).map_err(|error| match error {
                     FactorError::OutsidePattern { row, column } => {
                         QpError::RowOutsidePattern { row: found.first, first: row, second: column }
                     }
@@ -222,7 +222,10 @@ impl Rows {
         rows.max(self.two.largest_image(x)).max(self.three.largest_image(x))
     }
 
-    /// The trace of `A diag(1/d) Aᵀ` over the nonnegative rows; see [`Blocks::compliance`].
+    /// The trace of `A diag(1/d) Aᵀ`: how far the constraints yield to unit forces, each unknown by itself.
+    ///
+    /// # Arguments
+    /// * `stiffness`: d of an unknown; where it is zero, the unknown is left out.
     pub fn compliance(&self, stiffness: impl Fn(usize) -> f64) -> f64 {
         let one = |row: usize| {
             let (columns, values) = self.matrix.row(row);
@@ -232,7 +235,7 @@ impl Rows {
             });
             parts.sum::<f64>()
         };
-        (0..self.order).map(one).sum()
+        (0..self.order).map(one).sum::<f64>() + self.two.compliance(&stiffness) + self.three.compliance(&stiffness)
     }
 
     /// `y += a Aᵀ z`, rows in order.

@@ -17,7 +17,7 @@ pub const TWELVE: [&str; 12] = [
     "deform-swirl-180",
     "grid-15129-data-k2",
     "grid-15129-nodata-k2",
-    "deform-bar-120",
+    "deform-bar-170",
     "volume-13824-data-k2",
     "torus-20000-data-k2",
     "grid-58081-data-k2",

@@ -28,6 +28,8 @@ pub enum Command {
     Smooth(Box<SmoothArgs>),
     /// Write the field itself with exactly the wanted minima and maxima: topological simplification, nothing is smoothed.
     Simplify(Box<crate::simplify::SimplifyArgs>),
+    /// Write the persistence diagram, draw the persistence curve, and suggest thresholds.
+    Persistence(Box<crate::persistence::PersistenceArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
     /// Write the Morse–Smale complex: critical points, separatrices, segmentation, in the layout of TTK.

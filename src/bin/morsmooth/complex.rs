@@ -118,7 +118,14 @@ pub fn run(args: &ComplexArgs) -> Result<Outcome, Failure> {
     let ttk = |error: TtkError| Failure::file(&args.field.input, error);
     if let Some((grid, field)) = whole_grid(args, &dataset, array)? {
         let numbering = Numbering::of_points(grid.vertex_count()).map_err(ttk)?;
-        return work(&Run { args, field: &field, talk: &talk }, &grid, numbering, &|_| Ok(()));
+        return work(&Run { args, field: &field, talk: &talk }, &grid, numbering, &|job| match &args.plots {
+            // Pictures need the cells.
+            Some(directory) => {
+                let input = FieldInput::of_array(&dataset, array, &args.field, None)?;
+                crate::pictures::complex(directory, job, &input.domain.complex, &grid)
+            }
+            None => Ok(()),
+        });
     }
     let input = FieldInput::of_array(&dataset, array, &args.field, None)?;
     let field = Field {
@@ -132,14 +139,14 @@ pub fn run(args: &ComplexArgs) -> Result<Outcome, Failure> {
     let numbering = Numbering::new(&input.domain).map_err(ttk)?;
     let complex = &input.domain.complex;
     work(&Run { args, field: &field, talk: &talk }, complex, numbering, &|job| match &args.plots {
-        Some(directory) => crate::pictures::complex(directory, job, complex),
+        Some(directory) => crate::pictures::complex(directory, job, complex, complex),
         None => Ok(()),
     })
 }
 
-/// The field on a grid of which nothing is masked, whose cells need not be stored. Pictures need them.
+/// The field on a grid of which nothing is masked, whose cells need not be stored.
 fn whole_grid(args: &ComplexArgs, dataset: &Rc<DataSet>, array: &DataArray) -> Result<Option<(ImplicitGrid, Field)>, Failure> {
-    if args.field.derive.is_some() || args.plots.is_some() {
+    if args.field.derive.is_some() {
         return Ok(None);
     }
     let sources =

@@ -11,6 +11,7 @@ mod info;
 mod input;
 mod number;
 mod output;
+mod persistence;
 mod pictures;
 mod report;
 mod simplify;
@@ -59,6 +60,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
         Command::Simplify(args) => args.talk.threads,
+        Command::Persistence(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
     };
@@ -76,6 +78,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),
         Command::Simplify(args) => simplify::run(args),
+        Command::Persistence(args) => persistence::run(args),
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),
     }

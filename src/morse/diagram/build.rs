@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::field::VertexOrder;
-use crate::mesh::{SimplicialComplex, Triangulation};
+use crate::mesh::Triangulation;
 
 use super::super::error::MorseError;
 use super::super::gradient::{DiscreteGradient, discrete_gradient};
@@ -20,7 +20,7 @@ use super::reduction::Boundary;
 /// both kinds lists all extrema.
 ///
 /// # Arguments
-/// * `complex`: `n` vertices, dimension 1, 2 or 3. Vertices without neighbours are left out.
+/// * `mesh`: `n` vertices, dimension 1, 2 or 3, explicit or a grid. Vertices without neighbours are left out.
 /// * `order`: total order of the `n` vertices; ties were broken by index.
 ///
 /// # Errors
@@ -47,8 +47,8 @@ use super::reduction::Boundary;
 /// assert_eq!(finite.persistence(&values), Some(2.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn persistence_diagram(complex: &SimplicialComplex, order: &VertexOrder) -> Result<PersistenceDiagram, MorseError> {
-    Ok(diagram_of_gradient(complex, order, &discrete_gradient(complex, order)?))
+pub fn persistence_diagram<T: Triangulation>(mesh: &T, order: &VertexOrder) -> Result<PersistenceDiagram, MorseError> {
+    Ok(diagram_of_gradient(mesh, order, &discrete_gradient(mesh, order)?))
 }
 
 /// The persistence diagram of a vertex order whose gradient is there already.
@@ -152,8 +152,8 @@ impl<'a> Matching<'a> {
     fn reduce<T: Triangulation>(&mut self, landscape: &Landscape<'_, T>, dimension: usize) {
         let columns = &self.critical[dimension];
         let (rows, is_closed) = (&self.critical[dimension - 1], self.ends[dimension - 1].clone());
-        let places: Vec<u32> =
-            (0..columns.len() as u32).filter(|&place| self.deaths[dimension][place as usize].is_none()).collect();
+        let begins_none = |place: &u32| self.deaths[dimension][*place as usize].is_none();
+        let places: Vec<u32> = columns.places().iter().copied().filter(begins_none).collect();
         let pairs = Boundary { landscape, rows, is_closed, columns }.pairs(&places);
         for (row, column) in pairs.into_iter().enumerate() {
             self.join(dimension - 1, row, column);

@@ -48,9 +48,19 @@ impl CriticalCells {
         self.dimension
     }
 
-    /// Numbers of the cells, lowest cell first.
-    pub(super) fn cells(&self) -> &[u32] {
-        &self.cells
+    /// Places in the order by rising number of the cell: near in memory, where the order is not.
+    pub(super) fn places(&self) -> &[u32] {
+        &self.places
+    }
+
+    /// What `of_cell` says of every cell, lowest cell first; asked by rising number.
+    pub(super) fn map<R: Copy + Default + Send>(&self, of_cell: impl Fn(u32) -> R + Sync) -> Vec<R> {
+        let by_number: Vec<R> = self.places.par_iter().map(|&place| of_cell(self.cells[place as usize])).collect();
+        let mut by_place = vec![R::default(); by_number.len()];
+        for (&place, of_cell) in self.places.iter().zip(by_number) {
+            by_place[place as usize] = of_cell;
+        }
+        by_place
     }
 
     /// The cell at a place of the order.

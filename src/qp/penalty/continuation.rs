@@ -325,7 +325,7 @@ impl Continuation<'_> {
         let mut left = size;
         for _ in 0..=REFINEMENTS {
             correction.copy_from_slice(residual);
-            self.engine.factor.solve_in_place(&self.engine.symbolic, correction);
+            self.engine.system.solve_in_place(&self.engine.symbolic, correction);
             self.engine.mask(correction);
             self.solves += 1;
             add(&mut self.step, 1.0, correction);
@@ -386,6 +386,7 @@ impl Continuation<'_> {
             x: best.x,
             slack,
             dual: best.z,
+            restart: None,
             status,
             objective: best.measured.objective,
             kkt: best.measured.kkt,

@@ -1,7 +1,7 @@
 //! The persistence diagram in all dimensions against reduction of the whole boundary matrix, and theorems about it.
 
 use morsmooth::field::{VertexId, VertexOrder};
-use morsmooth::mesh::SimplicialComplex;
+use morsmooth::mesh::{Domain, Grid, ImplicitGrid, Mask, SimplicialComplex, Triangulation};
 use morsmooth::morse::{
     Cell, ExtremumKind, MorseError, PersistenceDiagram, discrete_gradient, extremum_pairs, persistence_diagram,
 };
@@ -212,6 +212,28 @@ proptest! {
             diagram.pairs().iter().map(|pair| (pair.dimension, rank(pair.birth_vertex), pair.death_vertex.map(rank))).collect::<Vec<_>>()
         };
         prop_assert_eq!(ranks(&complex, &values), ranks(&renumbered, &moved));
+    }
+}
+
+#[test]
+fn grids_without_stored_cells_have_the_same_pairs() {
+    for dims in [[30, 1, 1], [9, 14, 1], [1, 7, 8], [6, 5, 7], [2, 9, 2]] {
+        let grid = Grid::image(dims, [0.0; 3], [1.0; 3]);
+        let complex = Domain::from_grid(&grid, &Mask::none()).unwrap().complex;
+        let implicit = ImplicitGrid::new(grid).unwrap();
+        for levels in [2, 12, 1 << 40] {
+            let order = VertexOrder::of_values(&meshes::noise(complex.vertex_count(), 4, levels)).unwrap();
+            let stored = persistence_diagram(&complex, &order).unwrap();
+            let computed = persistence_diagram(&implicit, &order).unwrap();
+            computed.check_euler().unwrap();
+            assert_eq!(stored.critical_counts(), computed.critical_counts());
+            assert_eq!(stored.pairs().len(), computed.pairs().len());
+            for (one, other) in stored.pairs().iter().zip(computed.pairs()) {
+                assert_eq!(*complex.cell_vertices(one.birth), *implicit.cell_vertices(other.birth));
+                let stored_death = one.death.map(|cell| complex.cell_vertices(cell).to_vec());
+                assert_eq!(stored_death, other.death.map(|cell| implicit.cell_vertices(cell).to_vec()));
+            }
+        }
     }
 }
 

@@ -3,11 +3,13 @@
 mod agreement;
 mod endings;
 mod invariance;
+mod mixed;
 mod optima;
 mod penalty;
 mod pinned;
 mod product;
 mod refusals;
+mod speed;
 
 #[path = "../../../tools/bench/peer.rs"]
 mod peer;
