@@ -20,7 +20,7 @@ mod xml;
 pub use array::{ArrayData, DataArray, InformationKey, InformationValue, ValueType};
 pub use dataset::{Attributes, CellArray, DataSet, Extent, Geometry, IndexWidth, Polyhedra, Role};
 pub use diagram::{DiagramField, DiagramLayout, diagram_dataset};
-pub use domain::{DomainIoError, MaskSources, domain, mask};
+pub use domain::{DomainIoError, MaskSources, domain, grid, mask};
 pub use error::{IoError, Place};
 pub use pending::{PendingFile, is_same_file};
 pub use read::read;

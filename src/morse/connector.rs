@@ -110,8 +110,7 @@ impl Wall {
                     true => 1,
                     false => counts.get(&next).copied().unwrap_or(0),
                 };
-                let sum: u8 = onward.iter().map(paths).sum();
-                counts.insert(cell, sum.min(2));
+                counts.insert(cell, onward.iter().map(paths).fold(0, |sum, more| (sum + more).min(2)));
             } else if !counts.contains_key(&cell) {
                 stack.push((cell, true));
                 let waiting = onward.iter().filter(|(between, next)| *between != self.target && !counts.contains_key(next));

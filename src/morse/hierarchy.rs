@@ -1,7 +1,7 @@
 //! The hierarchy of cancellations: one computation, the simplified gradient at every threshold.
 
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::{Cell, SimplicialComplex, Triangulation};
+use crate::mesh::{Cell, Triangulation};
 
 use super::ascent::{self, Summit};
 use super::basins::{BasinHierarchy, BasinMerge};
@@ -55,7 +55,7 @@ pub enum SaddlePairs {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct MorseHierarchy<'a, T = SimplicialComplex> {
+pub struct MorseHierarchy<'a, T> {
     complex: &'a T,
     order: &'a VertexOrder,
     gradient: DiscreteGradient,
@@ -91,7 +91,7 @@ enum Choice {
     Maxima(Vec<VertexId>),
 }
 
-impl<'a> MorseHierarchy<'a, SimplicialComplex> {
+impl<'a, T: Triangulation> MorseHierarchy<'a, T> {
     /// Builds the discrete gradient and pairs its critical cells.
     ///
     /// # Arguments
@@ -111,27 +111,12 @@ impl<'a> MorseHierarchy<'a, SimplicialComplex> {
     /// Forman 1998, theorem 11.1; Edelsbrunner, Harer, Zomorodian 2003; for critical top cells by union–find on their
     /// graph, with the boundary as the eldest: Guillou, Vidal, Tierny 2023, section 4.
     pub fn new(
-        complex: &'a SimplicialComplex,
-        values: &[f64],
-        order: &'a VertexOrder,
-        saddles: SaddlePairs,
-    ) -> Result<Self, MorseError> {
-        Self::of_gradient(complex, values, order, discrete_gradient(complex, order)?, saddles)
-    }
-}
-
-impl<'a, T: Triangulation> MorseHierarchy<'a, T> {
-    /// As [`new`](MorseHierarchy::new), for any triangulation and a gradient of the order that is there already.
-    ///
-    /// # Errors
-    /// [`MorseError::OrderLength`], [`MorseError::ValuesLength`].
-    pub fn of_gradient(
         complex: &'a T,
         values: &[f64],
         order: &'a VertexOrder,
-        gradient: DiscreteGradient,
         saddles: SaddlePairs,
     ) -> Result<Self, MorseError> {
+        let gradient = discrete_gradient(complex, order)?;
         let minima = BasinHierarchy::new(complex, values, order, ExtremumKind::Minimum)?;
         let maxima = BasinHierarchy::new(complex, values, order, ExtremumKind::Maximum)?;
         let mut cancellations = with_minima(complex, &minima);

@@ -54,8 +54,9 @@ pub struct SeparatrixLine {
 /// The Morse–Smale complex of a field, simplified as far as the hierarchy is from which it is taken.
 ///
 /// Where an ascending V-path leaves the domain through its boundary, the line goes on from the highest vertex of that
-/// facet along the V-path of vertices and edges of `-h` to a maximum. So every maximum on the boundary is a point, a region
-/// and an end of lines. The counts of critical cells alone, without these maxima, alternate to the Euler characteristic.
+/// facet along the V-path of vertices and edges of `-h` to a maximum. So a maximum on the boundary, which has no critical
+/// cell, is a point, a region and, mostly, an end of lines. The critical cells alone, without these maxima, alternate to
+/// the Euler characteristic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MorseSmaleComplex {
     /// By dimension; minima by rising vertex, saddles by rising cell, maxima by rising vertex. The `k`-th minimum

@@ -72,7 +72,7 @@ impl FieldInput {
     }
 
     /// The field of one array; `near` is another one of the same file, whose domain may be the same.
-    fn of_array(dataset: &Rc<DataSet>, array: &DataArray, args: &FieldArgs, near: Option<&Self>) -> Result<Self, Failure> {
+    pub fn of_array(dataset: &Rc<DataSet>, array: &DataArray, args: &FieldArgs, near: Option<&Self>) -> Result<Self, Failure> {
         let sources =
             MaskSources { array: args.mask.clone(), holes: vec![array.name.clone()], ..MaskSources::default() };
         let file = |error: &dyn std::fmt::Display| Failure::file(&args.input, error);
@@ -228,7 +228,8 @@ fn candidates<'a>(dataset: &'a DataSet, args: &'a FieldArgs) -> impl Iterator<It
     })
 }
 
-fn choose<'a>(dataset: &'a DataSet, args: &'a FieldArgs) -> Result<&'a DataArray, Failure> {
+/// The array that is meant.
+pub fn choose<'a>(dataset: &'a DataSet, args: &'a FieldArgs) -> Result<&'a DataArray, Failure> {
     let file = |text: String| Failure::file(&args.input, text);
     let found: Vec<&DataArray> = candidates(dataset, args).collect();
     let wanted = if args.derive.is_some() { "vector" } else { "scalar" };

@@ -4,6 +4,7 @@
 mod args;
 mod check;
 mod complex;
+mod complex_report;
 mod extrema;
 mod failure;
 mod info;

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use morsmooth::audit::extrema as extrema_of;
 use morsmooth::field::VertexId;
-use morsmooth::morse::{ExtremumPair, MorseSmaleComplex};
+use morsmooth::mesh::{SimplicialComplex, Triangulation};
+use morsmooth::morse::ExtremumPair;
 use morsmooth::plot::{
     CurveChart, DiagramPoint, FieldView, PictureOptions, PlotError, before_after, complex_picture, field_picture, persistence_curve,
     persistence_diagram,
@@ -12,6 +13,7 @@ use morsmooth::plot::{
 };
 use morsmooth::smooth::{MeasuredField, SelectOn};
 
+use crate::complex_report::ComplexJob;
 use crate::failure::Failure;
 use crate::input::FieldInput;
 use crate::report::{SmoothJob, persistences};
@@ -77,14 +79,22 @@ pub fn curve(target: &Path, input: &FieldInput, field: &MeasuredField, plateaus:
 }
 
 /// The field with its Morse–Smale complex.
-pub fn complex(directory: &Path, input: &FieldInput, smale: &MorseSmaleComplex) -> Result<(), Failure> {
+///
+/// # Arguments
+/// * `complex`: what is coloured; `cells`: the same vertices with the cells of the Morse–Smale complex.
+pub fn complex<T: Triangulation>(
+    directory: &Path,
+    job: &ComplexJob<'_>,
+    complex: &SimplicialComplex,
+    cells: &T,
+) -> Result<(), Failure> {
     prepare(directory)?;
-    let (minima, maxima) = (smale.minima.extrema(), smale.maxima.extrema());
-    let title = format!("{} minima, {} maxima, {} separatrices", minima.len(), maxima.len(), smale.lines.len());
-    let view = FieldView { title: &title, values: &input.values, minima, maxima };
-    let options = PictureOptions { label: input.name.clone(), ..PictureOptions::default() };
+    let (minima, maxima) = (job.complex.minima.extrema(), job.complex.maxima.extrema());
+    let title = format!("{} minima, {} maxima, {} separatrices", minima.len(), maxima.len(), job.complex.lines.len());
+    let view = FieldView { title: &title, values: &job.field.values, minima, maxima };
+    let options = PictureOptions { label: job.field.scalar.name.clone(), ..PictureOptions::default() };
     let target = directory.join("complex.png");
-    complex_picture(&input.domain.complex, smale, &view, &options)
+    complex_picture(complex, cells, job.complex, &view, &options)
         .and_then(|picture| picture.write_png(&target))
         .map_err(|error| plot_failure(&target, &error))
 }

@@ -22,7 +22,7 @@ fn highest(complex: &SimplicialComplex, order: &VertexOrder, gradient: &Discrete
 }
 
 /// Everything that is promised of one threshold.
-fn check_state(complex: &SimplicialComplex, values: &[f64], hierarchy: &MorseHierarchy<'_>, threshold: f64, is_manifold: bool) {
+fn check_state(complex: &SimplicialComplex, values: &[f64], hierarchy: &MorseHierarchy<'_, SimplicialComplex>, threshold: f64, is_manifold: bool) {
     let (gradient, order) = (hierarchy.gradient(), hierarchy.order());
     gradient.check_euler().unwrap();
     assert_is_gradient(complex, gradient);
@@ -52,7 +52,7 @@ fn check(complex: &SimplicialComplex, values: &[f64], thresholds: &[f64], is_man
     }
 }
 
-fn check_hierarchy(fresh: &MorseHierarchy<'_>, values: &[f64], thresholds: &[f64], is_manifold: bool) {
+fn check_hierarchy(fresh: &MorseHierarchy<'_, SimplicialComplex>, values: &[f64], thresholds: &[f64], is_manifold: bool) {
     let (complex, order) = (fresh.complex(), fresh.order());
     assert!(fresh.cancellations().windows(2).all(|pair| pair[0].level <= pair[1].level));
     assert!(fresh.cancellations().iter().all(|pair| pair.level >= pair.persistence));
