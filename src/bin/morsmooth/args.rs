@@ -29,6 +29,16 @@ pub enum Command {
     /// Write the field itself with exactly the wanted minima and maxima: topological simplification, nothing is smoothed.
     Simplify(Box<crate::simplify::SimplifyArgs>),
     /// Write the persistence diagram, draw the persistence curve, and suggest thresholds.
+    ///
+    /// Two things are told, and they differ. The table and the curve count extremum pairs: dimension 0 of the field (minima) and of
+    /// the negated field (maxima). They decide what 'smooth' and 'simplify' keep, and include extrema on the boundary of the
+    /// domain. The diagram file is that of the sublevel sets in all dimensions, as TTK and GUDHI compute it: a maximum on the
+    /// boundary fills no hole of a sublevel set, so it is not in it, while the saddle–saddle pairs of a volume are. On closed
+    /// surfaces both list the same maxima.
+    ///
+    /// A threshold is suggested where the curve is flat on a logarithmic axis. Noise and features differ in persistence by a factor,
+    /// not by an amount: a plateau from a to b says that the threshold may be off by the factor b/a without any effect. The
+    /// widest differences are listed as well; they favour the few largest extrema, which are far apart in any field.
     Persistence(Box<crate::persistence::PersistenceArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),

