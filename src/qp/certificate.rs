@@ -2,6 +2,7 @@
 
 use crate::linalg::small::{composed, from_scaled, scaled_length, symmetric_eigen, to_scaled};
 
+use super::mixed::System;
 use super::QpError;
 use super::interior::Interior;
 use super::product::{add, dot, largest};
@@ -113,7 +114,8 @@ impl Interior<'_> {
     /// # Cost
     /// One factorisation and a few solves.
     pub(super) fn projected_certificate(&mut self) -> Result<Option<Certificate>, QpError> {
-        if !self.scaling.update(&self.rows, &self.point) {
+        // The matrix with auxiliary unknowns has no room for the metric alone; blocks never come with chains that need it.
+        if matches!(self.engine.system, System::Mixed(_)) || !self.scaling.update(&self.rows, &self.point) {
             return Ok(None);
         }
         let degree = self.rows.degree() as f64;
@@ -138,7 +140,7 @@ impl Interior<'_> {
         let wanted = EXACT * largest(&self.side);
         for _ in 0..REFINEMENTS {
             let mut solved = self.side.clone();
-            self.engine.factor.solve_in_place(&self.engine.symbolic, &mut solved);
+            self.engine.system.solve_in_place(&self.engine.symbolic, &mut solved);
             self.solves += 1;
             let product = dot(&self.side, &solved);
             let ratio = if previous > 0.0 { product / previous } else { 0.0 };

@@ -316,7 +316,8 @@ impl Engine {
 
     /// Resets the values to a share of the quadratic form.
     pub(super) fn reset_values_to(&mut self, share: f64) {
-        for ((value, base), &(row, column)) in self.values.iter_mut().zip(&self.base).zip(&self.places) {
+        self.is_factored = false;
+        for ((value, base), &(row, column)) in self.values.iter_mut().zip(&self.base).zip(self.places.iter()) {
             // The identity on fixed unknowns stays.
             *value = if row == column && self.is_fixed[row as usize] { *base } else { share * base };
         }
