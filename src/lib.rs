@@ -31,7 +31,7 @@
 //! | floor | modules |
 //! |---|---|
 //! | 4 | [`smooth`] |
-//! | 3 | [`monotone`], [`io`], [`plot`] |
+//! | 3 | [`monotone`], [`deform`], [`io`], [`plot`] |
 //! | 2 | [`operators`], [`morse`], [`audit`] |
 //! | 1 | [`mesh`], [`qp`] |
 //! | 0 | [`linalg`], [`field`] |
@@ -42,11 +42,13 @@
 //! * Edelsbrunner, Letscher, Zomorodian 2002, *Topological persistence and simplification*: pairs and the elder rule.
 //! * Tierny, Pascucci 2012; Lukasczyk, Garth, Maciejewski, Tierny 2020: the flood.
 //! * Günther, Jacobson, Reininghaus, Seidel, Sorkine-Hornung, Weinkauf 2014: refinement of the representative function.
+//! * Liu, Gao, Zhu, Sifakis, Kavan 2016, *Fast and robust inversion-free shape manipulation*: deformation, penalty continuation.
 //! * Mehrotra 1992; Gondzio 1996: the interior point method.
 //! * Burman, Chow, Nolan 1994: the smoothing length.
 #![forbid(unsafe_code)]
 
 pub mod audit;
+pub mod deform;
 pub mod field;
 pub mod io;
 pub mod linalg;

@@ -5,5 +5,5 @@ mod report;
 
 pub use extrema::{Extrema, StrictExtrema, extrema, strict_extrema};
 pub use report::{
-    AuditReport, Defects, ExtremumType, LISTED_DEFECTS, MovedValue, Plateaus, ValueRule, Wanted, audit,
+    AuditReport, Defects, ExtremumType, LISTED_DEFECTS, MovedValue, Plateaus, ValueRule, Wanted, audit, moved_values,
 };

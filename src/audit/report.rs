@@ -157,14 +157,8 @@ pub fn audit(complex: &SimplicialComplex, values: &[f64], wanted: &Wanted<'_>) -
         };
         missing.extend(outside(&asked, found));
         spurious.extend(outside(found, &asked));
-        let mut broken: Vec<MovedValue> = wanted
-            .iter()
-            .filter_map(|&(vertex, rule)| Some((vertex, rule?, *values.get(vertex.index())?)))
-            .filter(|&(_, rule, found)| !rule.allows(found))
-            .map(|(vertex, rule, found)| MovedValue { vertex, found, rule })
-            .collect();
-        broken.sort_by_key(|moved| moved.vertex);
-        moved.extend(broken);
+        let ruled: Vec<(VertexId, ValueRule)> = wanted.iter().filter_map(|&(vertex, rule)| Some((vertex, rule?))).collect();
+        moved.extend(broken_rules(values, &ruled));
     }
     let tolerated = plateaus.is_empty() || wanted.plateaus == Plateaus::Allowed;
     Ok(AuditReport {
@@ -176,4 +170,27 @@ pub fn audit(complex: &SimplicialComplex, values: &[f64], wanted: &Wanted<'_>) -
         moved_values: Defects::of(moved),
         plateaus: Defects::of(plateaus),
     })
+}
+
+/// The values that break their rules, whether or not their vertices are extrema.
+///
+/// # Arguments
+/// * `values`: `n` values as they are stored.
+/// * `rules`: what is asked of some of them; a vertex that does not exist breaks nothing.
+///
+/// # Cost
+/// Linear in the number of rules, and a sort of the broken ones.
+pub fn moved_values(values: &[f64], rules: &[(VertexId, ValueRule)]) -> Defects<MovedValue> {
+    Defects::of(broken_rules(values, rules))
+}
+
+fn broken_rules(values: &[f64], rules: &[(VertexId, ValueRule)]) -> Vec<MovedValue> {
+    let mut broken: Vec<MovedValue> = rules
+        .iter()
+        .filter_map(|&(vertex, rule)| Some((vertex, rule, *values.get(vertex.index())?)))
+        .filter(|&(_, rule, found)| !rule.allows(found))
+        .map(|(vertex, rule, found)| MovedValue { vertex, found, rule })
+        .collect();
+    broken.sort_by_key(|moved| moved.vertex);
+    broken
 }

@@ -52,6 +52,27 @@ macro_rules! with_values {
 pub(super) use with_values;
 
 impl ArrayData {
+    /// Numbers in the type asked for; what the type cannot hold becomes the nearest that it can, bits and texts double precision.
+    pub(super) fn of_numbers(value_type: ValueType, numbers: &[f64]) -> Self {
+        macro_rules! cast {
+            ($kind:ident, $number:ty) => {
+                Self::$kind(numbers.iter().map(|&number| number as $number).collect())
+            };
+        }
+        match value_type {
+            ValueType::I8 => cast!(I8, i8),
+            ValueType::U8 => cast!(U8, u8),
+            ValueType::I16 => cast!(I16, i16),
+            ValueType::U16 => cast!(U16, u16),
+            ValueType::I32 => cast!(I32, i32),
+            ValueType::U32 => cast!(U32, u32),
+            ValueType::I64 => cast!(I64, i64),
+            ValueType::U64 => cast!(U64, u64),
+            ValueType::F32 => cast!(F32, f32),
+            ValueType::F64 | ValueType::Bit | ValueType::String => Self::F64(numbers.to_vec()),
+        }
+    }
+
     /// Number of values (not of tuples).
     pub fn len(&self) -> usize {
         with_values!(self, values => values.len())

@@ -4,7 +4,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-use super::{CsrMatrix, FactorError};
+use super::{CsrMatrix, FactorError, Permutation};
 
 /// Largest part that nested dissection leaves to minimum degree. Smaller leaves cut more separators than they save,
 /// larger ones grow the fill of minimum degree; between 100 and 300 nothing moves by more than a few percent.
@@ -12,56 +12,6 @@ const LEAF: usize = 200;
 
 /// Problems below this size gain nothing from dissection (measured: equal work at 15,000, half of it at 250,000).
 const SMALL: usize = 20_000;
-
-/// A permutation of the indices `0..n`: position `new` holds the old index eliminated as number `new`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Permutation(Vec<u32>);
-
-impl Permutation {
-    /// Checks that a list names each index below its length once.
-    ///
-    /// # Errors
-    /// [`FactorError::NotAPermutation`] with the first index that is out of range or named twice.
-    pub fn new(order: Vec<u32>) -> Result<Self, FactorError> {
-        let mut seen = vec![false; order.len()];
-        for &old in &order {
-            match seen.get_mut(old as usize) {
-                Some(slot) if !*slot => *slot = true,
-                _ => return Err(FactorError::NotAPermutation { index: old as usize, size: order.len() }),
-            }
-        }
-        Ok(Self(order))
-    }
-
-    /// The permutation that moves nothing.
-    pub fn identity(size: usize) -> Self {
-        Self((0..size as u32).collect())
-    }
-
-    /// The old index at each new position.
-    pub fn order(&self) -> &[u32] {
-        &self.0
-    }
-
-    /// The new position of each old index.
-    pub fn inverse(&self) -> Vec<u32> {
-        let mut inverse = vec![0; self.0.len()];
-        for (new, &old) in self.0.iter().enumerate() {
-            inverse[old as usize] = new as u32;
-        }
-        inverse
-    }
-
-    /// Number of indices.
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// Whether there are no indices.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-}
 
 /// The order to use for a symmetric pattern: nested dissection for large patterns with coordinates, else minimum degree.
 ///
@@ -90,7 +40,7 @@ pub fn minimum_degree(pattern: &CsrMatrix) -> Result<Permutation, FactorError> {
     let n = pattern.rows();
     let (starts, indices) = pattern_arrays(pattern);
     let order = approximate_minimum_degree(n, &starts, &indices)?;
-    Ok(postordered(pattern, order))
+    Ok(postordered(pattern, Permutation::from_parts(order)))
 }
 
 /// Nested dissection along the coordinates, followed by a postorder of the elimination tree.
@@ -121,7 +71,7 @@ pub fn nested_dissection(pattern: &CsrMatrix, coordinates: &[[f64; 3]]) -> Resul
     let mut all: Vec<u32> = (0..n as u32).collect();
     dissection.part(&mut all)?;
     let order = dissection.order;
-    Ok(postordered(pattern, order))
+    Ok(postordered(pattern, Permutation::from_parts(order)))
 }
 
 /// The state of a dissection: where the current part's unknowns stand, and what has been ordered so far.
@@ -247,11 +197,10 @@ fn approximate_minimum_degree(n: usize, starts: &[u32], indices: &[u32]) -> Resu
 }
 
 /// Reorders so that every subtree of the elimination tree is contiguous: same fill, longer supernodes.
-fn postordered(pattern: &CsrMatrix, order: Vec<u32>) -> Permutation {
-    let n = order.len();
-    let permutation = Permutation(order);
+pub(super) fn postordered(pattern: &CsrMatrix, permutation: Permutation) -> Permutation {
+    let n = permutation.len();
     let inverse = permutation.inverse();
-    let parent = elimination_tree(pattern, &permutation.0, &inverse);
+    let parent = elimination_tree(pattern, permutation.order(), &inverse);
     const NONE: u32 = u32::MAX;
     let mut first_child = vec![NONE; n];
     let mut next_sibling = vec![NONE; n];
@@ -272,7 +221,7 @@ fn postordered(pattern: &CsrMatrix, order: Vec<u32>) -> Permutation {
         while let Some(&node) = stack.last() {
             let child = first_child[node as usize];
             if child == NONE {
-                visited.push(permutation.0[node as usize]);
+                visited.push(permutation.order()[node as usize]);
                 stack.pop();
             } else {
                 first_child[node as usize] = next_sibling[child as usize];
@@ -280,7 +229,7 @@ fn postordered(pattern: &CsrMatrix, order: Vec<u32>) -> Permutation {
             }
         }
     }
-    Permutation(visited)
+    Permutation::from_parts(visited)
 }
 
 /// Parent of each column in the elimination tree of the permuted pattern, `u32::MAX` for a root (Liu 1990).

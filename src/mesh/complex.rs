@@ -79,6 +79,8 @@ pub struct SimplicialComplex {
     edges: Vec<[VertexId; 2]>,
     /// Empty for dimension 1. For dimension 2 they are the top simplices again, sorted.
     triangles: Vec<[VertexId; 3]>,
+    /// First triangle of each lowest vertex, and the number of triangles.
+    triangle_offsets: Vec<u32>,
     neighbour_offsets: Vec<u32>,
     neighbours: Vec<VertexId>,
     incident_edges: Vec<EdgeId>,
@@ -130,8 +132,20 @@ impl SimplicialComplex {
         // As many entries as a matrix with an entry for every vertex and two for every edge has.
         check_size("vertices and ends of edges", points.len() + edges.len() * 2)?;
         let triangles = if dimension == 1 { Vec::new() } else { incidence::triangles(&star, stride, &simplices) };
+        let triangle_offsets = incidence::group_offsets(points.len(), triangles.iter().map(|triangle| triangle[0]));
         let (neighbour_offsets, neighbours, incident_edges) = incidence::adjacency(points.len(), &edges);
-        Ok(Self { dimension, points, simplices, edges, triangles, neighbour_offsets, neighbours, incident_edges, star })
+        Ok(Self {
+            dimension,
+            points,
+            simplices,
+            edges,
+            triangles,
+            triangle_offsets,
+            neighbour_offsets,
+            neighbours,
+            incident_edges,
+            star,
+        })
     }
 
     /// 1, 2 or 3.
@@ -202,10 +216,12 @@ impl SimplicialComplex {
         Some(self.incident_edges[range.start + position])
     }
 
-    /// The triangle on three vertices in any order, if there is one. O(log m).
+    /// The triangle on three vertices in any order, if there is one. O(log t) for t triangles with the same lowest vertex.
     pub fn triangle(&self, mut vertices: [VertexId; 3]) -> Option<TriangleId> {
         vertices.sort_unstable();
-        self.triangles.binary_search(&vertices).ok().map(|position| TriangleId(position as u32))
+        let (first, end) = (self.triangle_offsets[vertices[0].index()], self.triangle_offsets[vertices[0].index() + 1]);
+        let group = &self.triangles[first as usize..end as usize];
+        group.binary_search(&vertices).ok().map(|position| TriangleId(first + position as u32))
     }
 
     /// Component of every vertex, numbered by the lowest vertex of each, and the number of components.

@@ -156,6 +156,18 @@ pub(super) fn adjacency(vertices: usize, edges: &[[VertexId; 2]]) -> (Vec<u32>, 
     (offsets, neighbours, incident)
 }
 
+/// Where the group of every vertex begins in a list sorted by `keys`, and the length of the list.
+pub(super) fn group_offsets(vertices: usize, keys: impl Iterator<Item = VertexId>) -> Vec<u32> {
+    let mut offsets = vec![0u32; vertices + 1];
+    for key in keys {
+        offsets[key.index() + 1] += 1;
+    }
+    for vertex in 0..vertices {
+        offsets[vertex + 1] += offsets[vertex];
+    }
+    offsets
+}
+
 fn corners(stride: usize, simplices: &[u32], simplex: u32) -> &[u32] {
     &simplices[simplex as usize * stride..(simplex as usize + 1) * stride]
 }

@@ -8,6 +8,8 @@
 //!
 //! Literature: Jacobson, Weinkauf, Sorkine 2012, eq. 3–5 and 18; Botsch, Kobbelt 2004, section 3, for blended orders.
 
+use std::borrow::Cow;
+
 use crate::linalg::CsrMatrix;
 use crate::mesh::SimplicialComplex;
 use crate::operators::{OperatorError, cotangent_laplacian, lumped_mass};
@@ -29,6 +31,18 @@ impl Operators {
     /// [`OperatorError`] names the first simplex without length, area or volume.
     pub fn new(complex: &SimplicialComplex) -> Result<Self, OperatorError> {
         Ok(Self { laplacian: cotangent_laplacian(complex)?, mass: lumped_mass(complex)? })
+    }
+}
+
+impl<'a> From<&'a Operators> for Cow<'a, Operators> {
+    fn from(operators: &'a Operators) -> Self {
+        Self::Borrowed(operators)
+    }
+}
+
+impl From<Operators> for Cow<'_, Operators> {
+    fn from(operators: Operators) -> Self {
+        Self::Owned(operators)
     }
 }
 

@@ -1,5 +1,7 @@
 //! The fit: fields of least energy on one mesh, without constraints, with pinned values, or monotone along given edges.
 
+use std::borrow::Cow;
+
 use crate::linalg::CsrMatrix;
 use crate::mesh::SimplicialComplex;
 use crate::qp::{Constraints, Engine, KktResiduals, Problem, Progress, QpError, QpStatus, Settings};
@@ -56,7 +58,7 @@ pub struct MonotoneFit {
 pub struct MonotoneProblem {
     /// The problem, its objective divided by the total mass and by `unit²`.
     pub problem: Problem,
-    /// A strictly feasible point, `n` numbers.
+    /// Where the solve begins, `n` numbers: the pinned minimiser as it is, or, where a feasible field is known, a strictly feasible point.
     pub start: Vec<f64>,
     /// Middle of the data, in their units.
     pub shift: f64,
@@ -67,7 +69,7 @@ pub struct MonotoneProblem {
 /// Fields of least energy on one mesh: one analysis of the pattern, many solves.
 pub struct Fitter<'a> {
     complex: &'a SimplicialComplex,
-    operators: &'a Operators,
+    operators: Cow<'a, Operators>,
     engine: Engine,
 }
 
@@ -75,6 +77,7 @@ impl<'a> Fitter<'a> {
     /// Analyses the pattern of the energy.
     ///
     /// # Arguments
+    /// * `operators`: those of the mesh, borrowed or given away.
     /// * `order`: k of all energies that will be minimised.
     ///
     /// # Errors
@@ -82,20 +85,26 @@ impl<'a> Fitter<'a> {
     ///
     /// # Cost
     /// A fill-reducing ordering and a symbolic analysis.
-    pub fn new(complex: &'a SimplicialComplex, operators: &'a Operators, order: usize) -> Result<Self, QpError> {
+    pub fn new(
+        complex: &'a SimplicialComplex,
+        operators: impl Into<Cow<'a, Operators>>,
+        order: usize,
+    ) -> Result<Self, QpError> {
+        let operators = operators.into();
         let zeros = vec![0.0; complex.vertex_count()];
         let weights = EnergyWeights { order, length: 1.0, confidence: None, smoothness: None };
-        let objective = objective(operators, &zeros, &weights, (0.0, 1.0));
-        Ok(Self { complex, operators, engine: Engine::new(&objective, None, Some(complex.points()))? })
+        let objective = objective(&operators, &zeros, &weights, (0.0, 1.0));
+        let engine = Engine::new(&objective, None, Some(complex.points()))?;
+        Ok(Self { complex, operators, engine })
     }
 
     /// The operators of the mesh.
     pub fn operators(&self) -> &Operators {
-        self.operators
+        &self.operators
     }
 
     /// The mesh.
-    pub fn complex(&self) -> &SimplicialComplex {
+    pub fn complex(&self) -> &'a SimplicialComplex {
         self.complex
     }
 
@@ -116,7 +125,7 @@ impl<'a> Fitter<'a> {
         pinned: &[Option<f64>],
     ) -> Result<Vec<f64>, QpError> {
         let (shift, unit) = units(data);
-        let objective = objective(self.operators, data, weights, (shift, unit));
+        let objective = objective(&self.operators, data, weights, (shift, unit));
         let fixed: Vec<Option<f64>> = pinned.iter().map(|value| value.map(|value| (value - shift) / unit)).collect();
         let minimum = self.engine.minimise(&objective, &fixed)?;
         Ok(minimum.x.iter().zip(pinned).map(|(x, pin)| pin.unwrap_or(shift + unit * x)).collect())
@@ -132,8 +141,8 @@ impl<'a> Fitter<'a> {
     pub fn smoothed(&mut self, weights: &EnergyWeights<'_>, fields: &[&[f64]]) -> Result<Vec<Vec<f64>>, QpError> {
         let n = self.complex.vertex_count();
         let zeros = vec![0.0; n];
-        let objective = objective(self.operators, &zeros, weights, (0.0, 1.0));
-        let total = total_mass(self.operators);
+        let objective = objective(&self.operators, &zeros, weights, (0.0, 1.0));
+        let total = total_mass(&self.operators);
         let pull = |i: usize| 2.0 * weights.confidence.map_or(1.0, |confidence| confidence[i]) * self.operators.mass[i] / total;
         let pull: Vec<f64> = (0..n).map(pull).collect();
         let mut sides: Vec<f64> = Vec::with_capacity(n * fields.len());
@@ -180,13 +189,19 @@ impl<'a> Fitter<'a> {
             })
             .collect();
         let problem = Problem {
-            objective: objective(self.operators, data, weights, (shift, unit)),
+            objective: objective(&self.operators, data, weights, (shift, unit)),
             fixed,
             constraints: Constraints::nonnegative(rows, offset),
         };
-        let swept = sweep(constraints.graph, constraints.levels, near);
-        let mixed = swept.iter().zip(&constraints.levels.values).map(|(near, level)| near + LEVEL_SHARE * (level - near));
-        let start = mixed.map(|value| (value - shift) / unit).collect();
+        let start = match constraints.feasible {
+            // The engine makes more of how a minimiser violates the order than of a repaired one.
+            None => near.iter().map(|value| (value - shift) / unit).collect(),
+            Some(_) => {
+                let swept = sweep(constraints.graph, constraints.levels, near);
+                let mixed = swept.iter().zip(&constraints.levels.values).map(|(near, level)| near + LEVEL_SHARE * (level - near));
+                mixed.map(|value| (value - shift) / unit).collect()
+            }
+        };
         Ok(MonotoneProblem { problem, start, shift, unit })
     }
 
@@ -194,8 +209,8 @@ impl<'a> Fitter<'a> {
     ///
     /// # Arguments
     /// * `data`: `n` values.
-    /// * `near`: a field near the solution, such as the pinned minimiser; swept and mixed with the levels it is the
-    ///   strictly feasible start.
+    /// * `near`: a field near the solution, such as the pinned minimiser. The last round's solution, if the constraints name it as
+    ///   feasible, is swept and mixed with the levels.
     /// * `progress`: called once an iteration.
     ///
     /// # Errors
@@ -226,7 +241,7 @@ impl<'a> Fitter<'a> {
                 ValueRule::Free | ValueRule::Within(..) => shift + unit * x,
             })
             .collect();
-        let (smoothness, distance) = super::energy::energy_parts(self.operators, data, weights, &values);
+        let (smoothness, distance) = super::energy::energy_parts(&self.operators, data, weights, &values);
         Ok(MonotoneFit {
             values,
             energy: smoothness + distance,

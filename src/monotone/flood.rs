@@ -43,6 +43,64 @@ pub struct Flooded {
 /// # Cost
 /// O(m + n log n) a pass for n vertices and m edges.
 pub fn flood(complex: &SimplicialComplex, order: &VertexOrder, wanted: &WantedExtrema) -> Flooded {
+    alternate(complex, order, wanted, |_, _| {})
+}
+
+/// Floods a field with its order: what is flooded from below is filled to the level of its pass, what is flooded from above
+/// is cut down to its.
+///
+/// # Arguments
+/// * `values`, `order`: the `n` values of a field and their order.
+/// * `wanted`: as for [`flood`].
+///
+/// # Returns
+/// The flooded order, and values that do not fall along it: equal where the flood stands level, unchanged where it did not
+/// come. Every value is one of those given, so the width in which they are stored holds them.
+///
+/// # Cost
+/// As [`flood`].
+///
+/// # Source
+/// Tierny, Pascucci 2012, section 3: the running level of the flood is the new value.
+pub fn flood_field(
+    complex: &SimplicialComplex,
+    values: &[f64],
+    order: &VertexOrder,
+    wanted: &WantedExtrema,
+) -> (Flooded, Vec<f64>) {
+    let mut field = values.to_vec();
+    let flooded = alternate(complex, order, wanted, |sequence, upwards| match upwards {
+        true => level_off(complex, sequence.iter(), &mut field, f64::max),
+        false => level_off(complex, sequence.iter().rev(), &mut field, f64::min),
+    });
+    (flooded, field)
+}
+
+/// Gives every vertex the most extreme value so far, along the sequence in which a flood reached them.
+///
+/// The flood takes the lowest vertex at hand. One below the level reached was not at hand before, so it lies in a pit
+/// behind the vertex that made the level: the level is its own.
+fn level_off<'a>(
+    complex: &SimplicialComplex,
+    sequence: impl Iterator<Item = &'a VertexId>,
+    field: &mut [f64],
+    extreme: fn(f64, f64) -> f64,
+) {
+    let mut level: Option<f64> = None;
+    for &vertex in sequence.filter(|&&vertex| !complex.neighbours(vertex).is_empty()) {
+        let value = &mut field[vertex.index()];
+        *value = level.map_or(*value, |level| extreme(level, *value));
+        level = Some(*value);
+    }
+}
+
+/// Floods in turns, upwards first, until both sets of extrema are right; `passed` sees the order after every pass.
+fn alternate(
+    complex: &SimplicialComplex,
+    order: &VertexOrder,
+    wanted: &WantedExtrema,
+    mut passed: impl FnMut(&[VertexId], bool),
+) -> Flooded {
     let mut current = order.clone();
     // Which of the two comes first made no difference worth having on measured fields.
     let mut upwards = true;
@@ -55,7 +113,10 @@ pub fn flood(complex: &SimplicialComplex, order: &VertexOrder, wanted: &WantedEx
             false => flood_upwards(complex, &current.reversed(), &wanted.maxima, &wanted.minima).map(|order| order.reversed()),
         };
         match next {
-            Some(next) => current = next,
+            Some(next) => {
+                passed(next.sequence(), upwards);
+                current = next;
+            }
             None => return Flooded { order: current, valid: false, passes },
         }
         upwards = !upwards;

@@ -71,7 +71,7 @@ impl Levels {
 /// The levels of a monotonicity graph, or the contradiction that makes it infeasible.
 ///
 /// # Arguments
-/// * `rules`: one a vertex. Fixed values and intervals stand at minima and maxima of the graph only.
+/// * `rules`: one a vertex. Intervals stand at minima and maxima of the graph only, fixed values anywhere.
 /// * `range`: the values that take the place of a missing bound, its low end strictly below its high end; it must not
 ///   cut into the rules' values.
 ///
@@ -116,9 +116,8 @@ pub fn levels(graph: &MonotonicityGraph, rules: &[ValueRule], range: (f64, f64))
     let mut values = vec![0.0; n];
     for i in 0..n {
         if let ValueRule::Exactly(value) = rules[i] {
-            // A fixed vertex is its own bound on one side; it contradicts if a bound from the other side cuts it off.
-            if lower[i] > value || upper[i] < value || (lower[i] == value && upper[i] == value && has_both(graph, i)) {
-                return Err(contradiction(i, &lower, &lower_source, &upper, &upper_source));
+            if let Some(found) = cut_off(graph, i, value, (&lower, &lower_source), (&upper, &upper_source)) {
+                return Err(found);
             }
             values[i] = value;
             continue;
@@ -132,10 +131,21 @@ pub fn levels(graph: &MonotonicityGraph, rules: &[ValueRule], range: (f64, f64))
     Ok(Levels { values, lower, upper })
 }
 
-/// Whether a vertex has edges on both sides, so that two equal bounds leave it no room.
-fn has_both(graph: &MonotonicityGraph, i: usize) -> bool {
+/// A value fixed or bounded below a fixed vertex that is not smaller, or one above it that is not greater.
+fn cut_off(
+    graph: &MonotonicityGraph,
+    i: usize,
+    value: f64,
+    (lower, lower_source): (&[f64], &[VertexId]),
+    (upper, upper_source): (&[f64], &[VertexId]),
+) -> Option<Contradiction> {
     let vertex = VertexId::from(i);
-    !graph.below(vertex).is_empty() && !graph.above(vertex).is_empty()
+    let below = graph.below(vertex).iter().map(|below| below.index()).find(|&j| lower[j] >= value);
+    if let Some(j) = below {
+        return Some(Contradiction { low: lower_source[j], low_value: lower[j], high: vertex, high_value: value });
+    }
+    let above = graph.above(vertex).iter().map(|above| above.index()).find(|&j| upper[j] <= value);
+    above.map(|j| Contradiction { low: vertex, low_value: value, high: upper_source[j], high_value: upper[j] })
 }
 
 fn contradiction(

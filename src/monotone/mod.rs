@@ -7,6 +7,7 @@
 //! Literature: Jacobson, Weinkauf, Sorkine 2012, *Smooth shape-aware functions with controlled extrema*, section 3.
 
 mod blocks;
+mod bridges;
 mod edges;
 mod energy;
 mod fit;
@@ -16,13 +17,15 @@ mod levels;
 mod repair;
 mod representative;
 mod separatrix;
+mod simplified;
 
 pub use blocks::{st_numbering, unreachable_regions};
 pub use edges::{EdgeSet, MonotonicityEdge, MonotonicityGraph};
 pub use energy::{EnergyWeights, Operators, energy_parts};
 pub use fit::{Fitter, MonotoneConstraints, MonotoneFit, MonotoneProblem};
-pub use flood::{Flooded, flood, has_exactly};
+pub use flood::{Flooded, flood, flood_field, has_exactly};
 pub use levels::{Contradiction, Levels, ValueRule, levels, sweep};
 pub use repair::{NotRepresentable, Precision, Repaired, Strictness, repair};
 pub use representative::{Representative, RepresentativeError, Strategy, harmonic, representative};
 pub use separatrix::separatrix;
+pub use simplified::{SimplifiedField, SimplifyError, simplified_field};

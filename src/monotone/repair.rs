@@ -31,7 +31,7 @@ impl Precision {
     }
 
     /// Place of a number among all numbers of this width, after rounding; both zeros have place 0.
-    fn place(self, value: f64) -> i64 {
+    pub(super) fn place(self, value: f64) -> i64 {
         match self {
             Self::F32 => {
                 let value = value as f32;

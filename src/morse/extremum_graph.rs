@@ -7,7 +7,8 @@ use crate::mesh::{EdgeId, SimplicialComplex};
 
 use super::error::MorseError;
 use super::forest::Forest;
-use super::gradient::{Cell, DiscreteGradient, discrete_gradient};
+use crate::mesh::Cell;
+use super::gradient::{DiscreteGradient, discrete_gradient};
 use super::pairs::ExtremumKind;
 
 /// A critical edge, from whose ends V-paths lead to two extrema or twice to the same.

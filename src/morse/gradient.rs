@@ -5,53 +5,14 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use rayon::prelude::*;
 
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::{EdgeId, SimplicialComplex, TriangleId};
+use crate::mesh::{Cell, EdgeId, Triangulation};
 
 use super::error::MorseError;
+use super::lattice_gradient::lattice_places;
 use super::lower_star::LowerStar;
-
-/// A cell of a complex, by dimension and number.
-///
-/// Vertices, edges and triangles are numbered as in [`SimplicialComplex::edges`] and
-/// [`SimplicialComplex::triangles`], tetrahedra as the top simplices. An implicit grid can number its cells as it
-/// likes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Cell {
-    /// 0, 1, 2 or 3.
-    pub dimension: u8,
-    /// Place among the cells of this dimension.
-    pub index: u32,
-}
-
-impl Cell {
-    /// A cell of dimension 0.
-    pub const fn vertex(vertex: VertexId) -> Self {
-        Self { dimension: 0, index: vertex.0 }
-    }
-
-    /// A cell of dimension 1.
-    pub const fn edge(edge: EdgeId) -> Self {
-        Self { dimension: 1, index: edge.0 }
-    }
-
-    /// A cell of dimension 2.
-    pub const fn triangle(triangle: TriangleId) -> Self {
-        Self { dimension: 2, index: triangle.0 }
-    }
-
-    /// The highest vertex, the one in whose lower star the cell lies.
-    pub fn highest_vertex(self, complex: &SimplicialComplex, order: &VertexOrder) -> VertexId {
-        let highest = |vertices: &[VertexId]| vertices.iter().copied().max_by_key(|&vertex| order.rank(vertex));
-        let index = self.index as usize;
-        let vertex = match self.dimension {
-            0 => None,
-            1 => highest(&complex.edges()[index]),
-            2 => highest(&complex.triangles()[index]),
-            _ => highest(&[0, 1, 2, 3].map(|corner| VertexId(complex.simplex(index)[corner]))),
-        };
-        vertex.unwrap_or(VertexId(self.index))
-    }
-}
+use super::mask_star::MaskStar;
+use super::partners::{CRITICAL, DOWN, OUTSIDE, Partners};
+use super::small_star::SmallStar;
 
 /// What a discrete gradient does with a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,9 +27,6 @@ pub enum Pairing {
     Outside,
 }
 
-const CRITICAL: u32 = u32::MAX;
-const OUTSIDE: u32 = u32::MAX - 1;
-const DOWN: u32 = 1 << 31;
 const LIMIT: usize = (DOWN - 2) as usize;
 
 /// A discrete gradient field of a vertex order (Forman 1998), on vertices, edges, triangles and tetrahedra.
@@ -78,8 +36,7 @@ const LIMIT: usize = (DOWN - 2) as usize;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DiscreteGradient {
     dimension: usize,
-    /// By dimension and cell: the partner, with the bit `DOWN` if it is a facet; or `CRITICAL`; or `OUTSIDE`.
-    partners: [Vec<u32>; 4],
+    partners: Partners,
 }
 
 /// Pairs the cells of every lower star; the cells left over are critical.
@@ -88,15 +45,16 @@ pub struct DiscreteGradient {
 /// boundary: they are seen only by the gradient of the reversed order, as its critical vertices.
 ///
 /// # Arguments
-/// * `complex`: `n` vertices, dimension 1, 2 or 3. Vertices without neighbours are left out.
+/// * `complex`: `n` vertices, dimension 1, 2 or 3, explicit or implicit. Vertices without neighbours are left out.
 /// * `order`: total order of the `n` vertices; ties were broken by index.
 ///
 /// # Errors
 /// [`MorseError::OrderLength`] if `order` does not cover `n` vertices; [`MorseError::TooManyCells`] from 2^31 cells
-/// of one dimension on.
+/// of one dimension on, on an explicit complex.
 ///
 /// # Cost
-/// O(s log s) for a lower star of s cells; 4 bytes a cell kept, 8 more a triangle or tetrahedron while it runs. Lower
+/// O(s log s) for a lower star of s cells; 4 bytes a cell kept, 8 more a triangle or tetrahedron while it runs. On an
+/// implicit grid linear, and one byte a number of a cell: 26 bytes a vertex in dimension 3, 6 in dimension 2. Lower
 /// stars run in parallel; each cell is in one of them, so the result does not depend on the number of threads.
 ///
 /// # Source
@@ -112,38 +70,52 @@ pub struct DiscreteGradient {
 /// assert_eq!(gradient.critical_counts(), [2, 1, 0, 0]); // two minima, one edge between their basins
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn discrete_gradient(complex: &SimplicialComplex, order: &VertexOrder) -> Result<DiscreteGradient, MorseError> {
+pub fn discrete_gradient<T: Triangulation>(complex: &T, order: &VertexOrder) -> Result<DiscreteGradient, MorseError> {
     let vertices = complex.vertex_count();
     if order.len() != vertices {
         return Err(MorseError::OrderLength { expected: vertices, found: order.len() });
     }
-    let counts = cell_counts(complex);
+    let partners = match complex.lattice() {
+        Some(lattice) => Partners::Places(lattice, lattice_places(&lattice, order)),
+        None => Partners::Numbers(partner_numbers(complex, order)?),
+    };
+    Ok(DiscreteGradient { dimension: complex.dimension(), partners })
+}
+
+fn partner_numbers<T: Triangulation>(complex: &T, order: &VertexOrder) -> Result<[Vec<u32>; 4], MorseError> {
+    let counts = [0, 1, 2, 3].map(|dimension| complex.cell_bound(dimension));
     if let Some(dimension) = counts.iter().position(|&count| count > LIMIT) {
         return Err(MorseError::TooManyCells { dimension, found: counts[dimension], limit: LIMIT });
     }
-    let triangles = Owned::new(order, complex.triangles().len(), |triangle| {
-        complex.triangles()[triangle].into_iter().map(|vertex| vertex.0)
-    });
-    let tetrahedra = Owned::new(order, counts[3], |simplex| complex.simplex(simplex).iter().copied());
+    let triangles = Owned::new(complex, order, 2);
+    let tetrahedra = Owned::new(complex, order, 3);
     let partners = counts.map(|count| (0..count).map(|_| AtomicU32::new(CRITICAL)).collect::<Vec<_>>());
     // Relaxed is enough: every cell is written by its one lower star, and read only after all threads have joined.
     let write = |cell: Cell, value: u32| {
         partners[cell.dimension as usize][cell.index as usize].store(value, Ordering::Relaxed);
     };
-    (0..vertices).into_par_iter().with_min_len(256).for_each_init(LowerStar::default, |star, vertex| {
+    let paired = |lower: Cell, upper: Cell| {
+        write(lower, upper.index);
+        write(upper, lower.index | DOWN);
+    };
+    let work_space = || (SmallStar::new(&paired), MaskStar::default(), LowerStar::default());
+    (0..counts[0]).into_par_iter().with_min_len(256).for_each_init(work_space, |(small, masks, large), vertex| {
         let vertex = VertexId::from(vertex);
-        if complex.neighbours(vertex).is_empty() {
+        if complex.neighbours(vertex).next().is_none() {
             write(Cell::vertex(vertex), OUTSIDE);
             return;
         }
-        star.collect(complex, order, vertex, triangles.at(vertex), tetrahedra.at(vertex));
-        star.pair(vertex, |lower, upper| {
-            write(lower, upper.index);
-            write(upper, lower.index | DOWN);
-        });
+        let owned = [triangles.at(vertex), tetrahedra.at(vertex)];
+        match small.turn_to(complex, order, vertex, owned) {
+            Some(0) => {}
+            Some(count) => masks.pair(count, small),
+            None => {
+                large.collect(complex, order, vertex, owned);
+                large.pair(vertex, paired);
+            }
+        }
     });
-    let partners = partners.map(|cells| cells.into_iter().map(AtomicU32::into_inner).collect());
-    Ok(DiscreteGradient { dimension: complex.dimension(), partners })
+    Ok(partners.map(|cells| cells.into_iter().map(AtomicU32::into_inner).collect()))
 }
 
 impl DiscreteGradient {
@@ -154,29 +126,17 @@ impl DiscreteGradient {
 
     /// What happens to a cell.
     pub fn pairing(&self, cell: Cell) -> Pairing {
-        match self.partners[cell.dimension as usize][cell.index as usize] {
-            CRITICAL => Pairing::Critical,
-            OUTSIDE => Pairing::Outside,
-            partner if partner & DOWN != 0 => {
-                Pairing::Down(Cell { dimension: cell.dimension - 1, index: partner & !DOWN })
-            }
-            partner => Pairing::Up(Cell { dimension: cell.dimension + 1, index: partner }),
-        }
+        self.partners.pairing(cell)
     }
 
     /// Whether a cell is paired with nothing.
     pub fn is_critical(&self, cell: Cell) -> bool {
-        self.partners[cell.dimension as usize][cell.index as usize] == CRITICAL
+        self.partners.is_critical(cell)
     }
 
     /// The critical cells of one dimension by rising number; none above the dimension of the complex.
     pub fn critical_cells(&self, dimension: usize) -> impl Iterator<Item = Cell> {
-        let cells = self.partners.get(dimension).map_or(&[][..], Vec::as_slice);
-        cells
-            .iter()
-            .enumerate()
-            .filter(|&(_, &partner)| partner == CRITICAL)
-            .map(move |(index, _)| Cell { dimension: dimension as u8, index: index as u32 })
+        self.partners.critical(dimension)
     }
 
     /// Number of critical cells by dimension.
@@ -186,7 +146,7 @@ impl DiscreteGradient {
 
     /// Number of cells by dimension; vertices of no simplex are not counted.
     pub fn cell_counts(&self) -> [usize; 4] {
-        [0, 1, 2, 3].map(|dimension| self.partners[dimension].iter().filter(|&&partner| partner != OUTSIDE).count())
+        [0, 1, 2, 3].map(|dimension| self.partners.cell_count(dimension))
     }
 
     /// Checks that the critical cells alternate to the Euler characteristic, as in every discrete gradient.
@@ -209,7 +169,7 @@ impl DiscreteGradient {
     ///
     /// # Cost
     /// Linear in the length of the path.
-    pub fn descent(&self, complex: &SimplicialComplex, vertex: VertexId) -> Vec<VertexId> {
+    pub fn descent<T: Triangulation>(&self, complex: &T, vertex: VertexId) -> Vec<VertexId> {
         let mut path = vec![vertex];
         let mut last = vertex;
         while let Some((_, next)) = self.step(complex, last) {
@@ -220,13 +180,12 @@ impl DiscreteGradient {
     }
 
     /// The edge with which a vertex is paired, and its other end.
-    pub(super) fn step(&self, complex: &SimplicialComplex, vertex: VertexId) -> Option<(EdgeId, VertexId)> {
-        let edge = self.partners[0][vertex.index()];
-        if edge == CRITICAL || edge == OUTSIDE {
+    pub(super) fn step<T: Triangulation>(&self, complex: &T, vertex: VertexId) -> Option<(EdgeId, VertexId)> {
+        let Pairing::Up(edge) = self.partners.pairing(Cell::vertex(vertex)) else {
             return None;
-        }
-        let [a, b] = complex.edges()[edge as usize];
-        Some((EdgeId(edge), if a == vertex { b } else { a }))
+        };
+        let ends = complex.cell_vertices(edge);
+        Some((EdgeId(edge.index), if ends[0] == vertex { ends[1] } else { ends[0] }))
     }
 
     /// Cancels a critical edge and a critical vertex by reversing the one V-path between them.
@@ -243,16 +202,17 @@ impl DiscreteGradient {
     ///
     /// # Source
     /// Forman 1998, theorem 11.1.
-    pub fn cancel(
+    pub fn cancel<T: Triangulation>(
         &mut self,
-        complex: &SimplicialComplex,
+        complex: &T,
         saddle: EdgeId,
         extremum: VertexId,
     ) -> Result<(), MorseError> {
         if !self.is_critical(Cell::edge(saddle)) {
             return Err(MorseError::NotCritical { edge: saddle });
         }
-        let reaches: Vec<VertexId> = complex.edges()[saddle.0 as usize]
+        let reaches: Vec<VertexId> = complex
+            .cell_vertices(Cell::edge(saddle))
             .into_iter()
             .filter(|&end| self.descent_end(complex, end) == extremum)
             .collect();
@@ -262,8 +222,7 @@ impl DiscreteGradient {
         let (mut vertex, mut edge) = (end, saddle);
         loop {
             let onward = self.step(complex, vertex);
-            self.partners[0][vertex.index()] = edge.0;
-            self.partners[1][edge.0 as usize] = vertex.0 | DOWN;
+            self.pair(Cell::vertex(vertex), Cell::edge(edge));
             match onward {
                 Some((next_edge, next_vertex)) => (edge, vertex) = (next_edge, next_vertex),
                 None => return Ok(()),
@@ -271,8 +230,18 @@ impl DiscreteGradient {
         }
     }
 
+    /// Pairs a cell with one of its cofacets.
+    pub(super) fn pair(&mut self, lower: Cell, upper: Cell) {
+        self.partners.pair(lower, upper);
+    }
+
+    /// Makes a cell critical; whoever was paired with it must be given another partner.
+    pub(super) fn release(&mut self, cell: Cell) {
+        self.partners.release(cell);
+    }
+
     /// The critical vertex at the end of [`descent`](Self::descent).
-    pub fn descent_end(&self, complex: &SimplicialComplex, vertex: VertexId) -> VertexId {
+    pub fn descent_end<T: Triangulation>(&self, complex: &T, vertex: VertexId) -> VertexId {
         let mut last = vertex;
         while let Some((_, next)) = self.step(complex, last) {
             last = next;
@@ -286,11 +255,6 @@ fn alternating_sum(counts: [usize; 4]) -> i64 {
     vertices - edges + triangles - tetrahedra
 }
 
-fn cell_counts(complex: &SimplicialComplex) -> [usize; 4] {
-    let tetrahedra = if complex.dimension() == 3 { complex.simplex_count() } else { 0 };
-    [complex.vertex_count(), complex.edges().len(), complex.triangles().len(), tetrahedra]
-}
-
 /// The cells of one dimension, grouped by lower star.
 struct Owned {
     offsets: Vec<u32>,
@@ -298,10 +262,10 @@ struct Owned {
 }
 
 impl Owned {
-    fn new<I: Iterator<Item = u32>>(order: &VertexOrder, count: usize, corners: impl Fn(usize) -> I + Sync) -> Self {
-        let ranks = order.ranks();
-        let highest = |cell| corners(cell).max_by_key(|&corner| ranks[corner as usize]);
-        let owners: Vec<u32> = (0..count).into_par_iter().filter_map(highest).collect();
+    fn new<T: Triangulation>(complex: &T, order: &VertexOrder, dimension: u8) -> Self {
+        let count = complex.cell_bound(dimension.into()) as u32;
+        let highest = |index: u32| Cell { dimension, index }.highest_vertex(complex, order).0;
+        let owners: Vec<u32> = (0..count).into_par_iter().map(highest).collect();
         let mut offsets = vec![0u32; order.len() + 1];
         for &owner in &owners {
             offsets[owner as usize + 1] += 1;

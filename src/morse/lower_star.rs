@@ -1,12 +1,11 @@
-//! One lower star: its cells in the order of the field, and their pairing.
+//! One lower star of any size: its cells in the order of the field, and their pairing. Small ones have a faster way.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::{EdgeId, SimplicialComplex};
+use crate::mesh::{Cell, Triangulation};
 
-use super::gradient::Cell;
 
 /// A cell of the lower star of `v`, without `v`: places of its other vertices among the lower neighbours of `v` by
 /// rising rank, plus one, highest first, padded with 0. Arrays compare as the field compares the cells: by their
@@ -19,7 +18,7 @@ type Key = [u32; 3];
 #[derive(Default)]
 pub(super) struct LowerStar {
     /// Lower neighbours and the edges to them, by rising rank.
-    below: Vec<(u32, VertexId, EdgeId)>,
+    below: Vec<(u32, VertexId, Cell)>,
     cells: Vec<(Key, Cell)>,
     /// Local cell of the edge to each lower neighbour.
     edges: Vec<u32>,
@@ -40,18 +39,17 @@ impl LowerStar {
     /// Gathers the cells whose highest vertex is `vertex`.
     ///
     /// # Arguments
-    /// * `triangles`, `tetrahedra`: numbers of those whose highest vertex is `vertex`.
-    pub(super) fn collect(
+    /// * `owned`: triangles and tetrahedra whose highest vertex is `vertex`.
+    pub(super) fn collect<T: Triangulation>(
         &mut self,
-        complex: &SimplicialComplex,
+        complex: &T,
         order: &VertexOrder,
         vertex: VertexId,
-        triangles: &[u32],
-        tetrahedra: &[u32],
+        owned: [&[u32]; 2],
     ) {
         let rank = order.rank(vertex);
         self.below.clear();
-        for (&neighbour, &edge) in complex.neighbours(vertex).iter().zip(complex.incident_edges(vertex)) {
+        for (neighbour, edge) in complex.neighbours(vertex).zip(complex.cofacets(Cell::vertex(vertex))) {
             if order.rank(neighbour) < rank {
                 self.below.push((order.rank(neighbour), neighbour, edge));
             }
@@ -59,16 +57,14 @@ impl LowerStar {
         self.below.sort_unstable();
         self.cells.clear();
         for (place, &(_, _, edge)) in self.below.iter().enumerate() {
-            self.cells.push(([place as u32 + 1, 0, 0], Cell::edge(edge)));
+            self.cells.push(([place as u32 + 1, 0, 0], edge));
         }
-        for &triangle in triangles {
-            let key = self.key(order, vertex, complex.triangles()[triangle as usize].into_iter());
-            self.cells.push((key, Cell { dimension: 2, index: triangle }));
-        }
-        for &simplex in tetrahedra {
-            let corners = complex.simplex(simplex as usize).iter();
-            let key = self.key(order, vertex, corners.map(|&corner| VertexId(corner)));
-            self.cells.push((key, Cell { dimension: 3, index: simplex }));
+        for (dimension, cells) in [2, 3].into_iter().zip(owned) {
+            for &index in cells {
+                let cell = Cell { dimension, index };
+                let key = self.key(order, vertex, complex.cell_vertices(cell).into_iter());
+                self.cells.push((key, cell));
+            }
         }
         self.cells.sort_unstable();
         self.link();

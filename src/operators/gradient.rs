@@ -81,7 +81,7 @@ pub(super) fn vertex_average<const N: usize>(
 }
 
 /// Gradients of the barycentric coordinates of corners 1 to d of a simplex; the rest is zero.
-pub(super) fn dual_basis(complex: &SimplicialComplex, simplex: usize) -> [[f64; 3]; 3] {
+pub(crate) fn dual_basis(complex: &SimplicialComplex, simplex: usize) -> [[f64; 3]; 3] {
     let corners = complex.simplex(simplex);
     let side = |corner: usize| minus(complex.points()[corners[corner] as usize], complex.points()[corners[0] as usize]);
     let over = |vector: [f64; 3], divisor: f64| vector.map(|part| part / divisor);

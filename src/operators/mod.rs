@@ -12,6 +12,7 @@ mod mass;
 
 pub use derived::{Derived, PLANAR, derive};
 pub use error::OperatorError;
+pub(crate) use gradient::dual_basis;
 pub use gradient::{gradients, vertex_gradients};
 pub use laplacian::{LEAST_WEIGHT, cotangent_laplacian, positive_laplacian};
 pub use mass::lumped_mass;

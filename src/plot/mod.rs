@@ -9,13 +9,15 @@ mod colour;
 mod curve;
 mod error;
 mod file;
+mod overlay;
 mod panel;
 mod picture;
 mod raster;
 mod ticks;
 
-pub use chart::{DiagramPoint, persistence_curve, persistence_diagram};
+pub use chart::{CurveChart, DiagramPoint, persistence_curve, persistence_diagram};
 pub use colour::ColourMap;
 pub use error::PlotError;
 pub use file::write_atomically;
+pub use overlay::complex_picture;
 pub use picture::{FieldView, Picture, PictureOptions, before_after, field_picture};

@@ -3,6 +3,7 @@
 use super::camera::View;
 use super::canvas::Canvas;
 use super::colour::{INK, MAXIMUM, MINIMUM, OUTSIDE, Rgb, TABLE_LENGTH, WHITE, mix};
+use super::overlay::Overlay;
 use super::picture::FieldView;
 use super::raster::{Fit, Samples, rasterise};
 use crate::field::VertexId;
@@ -50,15 +51,25 @@ pub(super) struct Shown {
     pub(super) hidden: usize,
 }
 
+/// A place on the sheet.
+pub(super) struct Spot {
+    /// In pixels from the upper left corner.
+    pub(super) at: [f64; 2],
+    /// Behind the surface.
+    pub(super) is_hidden: bool,
+}
+
+/// What a panel shows.
+pub(super) struct Panel<'a> {
+    pub(super) triangles: &'a [[u32; 3]],
+    pub(super) view: &'a View,
+    pub(super) field: &'a FieldView<'a>,
+    pub(super) overlay: Option<&'a Overlay<'a>>,
+}
+
 /// Draws a field into `area`.
-pub(super) fn draw_field(
-    canvas: &mut Canvas,
-    area: Area,
-    triangles: &[[u32; 3]],
-    view: &View,
-    field: &FieldView<'_>,
-    scale: &Scale,
-) -> Shown {
+pub(super) fn draw_field(canvas: &mut Canvas, area: Area, panel: &Panel<'_>, scale: &Scale) -> Shown {
+    let &Panel { triangles, view, field, overlay } = panel;
     let size = (area.width as usize * OVERSAMPLING, area.height as usize * OVERSAMPLING);
     let radius = mark_radius(field.minima.len() + field.maxima.len());
     let fit = fit(view, size, RIM * OVERSAMPLING as f64);
@@ -75,6 +86,10 @@ pub(super) fn draw_field(
         has_outside = covered < 0.995 * extent[0] * extent[1] * (OVERSAMPLING * OVERSAMPLING) as f64;
     }
     paint(canvas, area, &samples, scale);
+    if let Some(overlay) = overlay {
+        let spot = |vertices: &[u32]| spot(&samples, area, fit, view, vertices);
+        overlay.draw(canvas, &spot, radius);
+    }
     let hidden = draw_marks(canvas, area, &samples, fit, view, field, radius);
     Shown { has_outside, hidden }
 }
@@ -173,21 +188,35 @@ fn draw_marks(
     field: &FieldView<'_>,
     radius: f64,
 ) -> usize {
-    let tolerance = 0.01 * (samples.width + samples.height) as f64;
     let mut hidden = 0;
     for (vertices, colour) in [(field.minima, MINIMUM), (field.maxima, MAXIMUM)] {
         for &VertexId(vertex) in vertices {
-            let place = fit.place(view.positions[vertex as usize]);
-            if !view.planar && is_behind(samples, place, tolerance) {
+            let spot = spot(samples, area, fit, view, &[vertex]);
+            if spot.is_hidden {
                 hidden += 1;
-                continue;
+            } else {
+                draw_mark(canvas, spot.at, radius, colour);
             }
-            let pixel = |axis: usize| place[axis] / OVERSAMPLING as f64;
-            let centre = [area.left as f64 + pixel(0), area.top as f64 + pixel(1)];
-            draw_mark(canvas, centre, radius, colour);
         }
     }
     hidden
+}
+
+/// Where the mean of some vertices is drawn.
+fn spot(samples: &Samples, area: Area, fit: Fit, view: &View, vertices: &[u32]) -> Spot {
+    let mut mean = [0.0; 3];
+    for &vertex in vertices {
+        for (slot, coordinate) in mean.iter_mut().zip(view.positions[vertex as usize]) {
+            *slot += coordinate / vertices.len() as f64;
+        }
+    }
+    let place = fit.place(mean);
+    let tolerance = 0.01 * (samples.width + samples.height) as f64;
+    let pixel = |axis: usize| place[axis] / OVERSAMPLING as f64;
+    Spot {
+        at: [area.left as f64 + pixel(0), area.top as f64 + pixel(1)],
+        is_hidden: !view.planar && is_behind(samples, place, tolerance),
+    }
 }
 
 /// Whether everything drawn about `place` lies before it by more than `tolerance`.

@@ -6,7 +6,8 @@ use super::colour::{ColourMap, FAINT_INK, INK, MAXIMUM, MINIMUM, OUTSIDE, Rgb};
 use super::curve::{draw_curve, places};
 use super::error::PlotError;
 use super::file::write_atomically;
-use super::panel::{Area, Scale, draw_field, draw_mark};
+use super::overlay::{Overlay, SADDLE};
+use super::panel::{Area, Panel, Scale, draw_field, draw_mark};
 use super::raster::visible_triangles;
 use super::ticks::{number, round_step, ticks};
 use crate::field::{FieldError, VertexId, check_finite};
@@ -168,8 +169,21 @@ fn compose(
     fields: &[&FieldView<'_>],
     options: &PictureOptions,
 ) -> Result<Picture, PlotError> {
+    compose_with(complex, fields, options, None)
+}
+
+/// Draws all panels, with something over each of them where a panel is no chart.
+pub(super) fn compose_with(
+    complex: &SimplicialComplex,
+    fields: &[&FieldView<'_>],
+    options: &PictureOptions,
+    overlay: Option<&Overlay<'_>>,
+) -> Result<Picture, PlotError> {
     check(complex, fields, options)?;
-    if complex.dimension() == 1 { Ok(charts(complex, fields, options)) } else { Ok(panels(complex, fields, options)) }
+    if complex.dimension() == 1 {
+        return Ok(charts(complex, fields, options));
+    }
+    Ok(panels(complex, fields, options, overlay))
 }
 
 fn check(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &PictureOptions) -> Result<(), PlotError> {
@@ -195,7 +209,12 @@ fn check(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &Pictu
     }
 }
 
-fn panels(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &PictureOptions) -> Picture {
+fn panels(
+    complex: &SimplicialComplex,
+    fields: &[&FieldView<'_>],
+    options: &PictureOptions,
+    overlay: Option<&Overlay<'_>>,
+) -> Picture {
     let view = View::of(complex);
     let scale = scale(complex, fields, options);
     let count = fields.len() as i64;
@@ -212,7 +231,7 @@ fn panels(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &Pict
         let left = MARGIN + at * (width + MARGIN);
         canvas.text(left, MARGIN, Align::Left, TITLE, INK, &TITLE.fitted(field.title, width));
         let area = Area { left, top, width, height };
-        let shown = draw_field(&mut canvas, area, &triangles, &view, field, &scale);
+        let shown = draw_field(&mut canvas, area, &Panel { triangles: &triangles, view: &view, field, overlay }, &scale);
         has_outside |= shown.has_outside;
         if shown.hidden > 0 {
             let text = format!("{} extrema out of sight", shown.hidden);
@@ -226,7 +245,10 @@ fn panels(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &Pict
     let range = fields.iter().map(|field| range(complex, field.values)).fold((f64::INFINITY, f64::NEG_INFINITY), wider);
     let clipped = range.0 < scale.low || range.1 > scale.high;
     let note = clipped.then(|| format!("all values: {} to {}", number(range.0), number(range.1)));
-    legend(&mut canvas, legend_top, has_outside.then_some("outside, masked"), options, note);
+    let mut also = Vec::new();
+    also.extend(overlay.map(|_| (SADDLE, "saddle")));
+    also.extend(has_outside.then_some((OUTSIDE, "outside, masked")));
+    legend(&mut canvas, legend_top, &also, options, note);
     picture(canvas, options.width, total)
 }
 
@@ -247,7 +269,7 @@ fn charts(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &Pict
         let area = Area { left: MARGIN, top: top + TITLE_HEIGHT, width, height };
         draw_curve(&mut canvas, area, complex, &place, field, (low, high));
     }
-    legend(&mut canvas, total - MARGIN - LEGEND_HEIGHT + 18, None, options, None);
+    legend(&mut canvas, total - MARGIN - LEGEND_HEIGHT + 18, &[], options, None);
     picture(canvas, options.width, total)
 }
 
@@ -307,7 +329,7 @@ fn colour_bar(canvas: &mut Canvas, bar: Area, scale: &Scale) {
     }
 }
 
-fn legend(canvas: &mut Canvas, top: i64, outside: Option<&str>, options: &PictureOptions, note: Option<String>) {
+fn legend(canvas: &mut Canvas, top: i64, also: &[(Rgb, &str)], options: &PictureOptions, note: Option<String>) {
     let middle = (top + LABEL.height() / 2) as f64;
     let mut left = MARGIN;
     let mut say = |canvas: &mut Canvas, colour: Option<Rgb>, text: &str| {
@@ -320,8 +342,8 @@ fn legend(canvas: &mut Canvas, top: i64, outside: Option<&str>, options: &Pictur
     };
     say(canvas, Some(MINIMUM), "minimum");
     say(canvas, Some(MAXIMUM), "maximum");
-    if let Some(outside) = outside {
-        say(canvas, Some(OUTSIDE), outside);
+    for &(colour, text) in also {
+        say(canvas, Some(colour), text);
     }
     if let Some(note) = note {
         say(canvas, None, &note);

@@ -138,7 +138,7 @@ impl Interior<'_> {
         let wanted = EXACT * largest(&self.side);
         for _ in 0..REFINEMENTS {
             let mut solved = self.side.clone();
-            self.engine.factor.solve_in_place(&self.engine.symbolic, &mut solved);
+            self.engine.system.solve_in_place(&self.engine.symbolic, &mut solved);
             self.solves += 1;
             let product = dot(&self.side, &solved);
             let ratio = if previous > 0.0 { product / previous } else { 0.0 };

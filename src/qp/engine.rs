@@ -1,7 +1,10 @@
 //! One pattern, analysed once: the quadratic form in it, its factor, and solves refined in product form.
 
-use crate::linalg::{Cholesky, CsrMatrix, FactorError, SymbolicCholesky, fill_reducing_order};
+use std::sync::Arc;
 
+use crate::linalg::{CsrMatrix, FactorError, SymbolicCholesky, fill_reducing_order};
+
+use super::mixed::{KktForm, Layout, System};
 use super::problem::check_fixed;
 use super::product::{Scratch, add, dot};
 use super::rows::Rows;
@@ -21,19 +24,24 @@ const SHIFTS: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
 /// rows of the identity.
 pub struct Engine {
     unknowns: usize,
-    pub(super) symbolic: SymbolicCholesky,
-    pub(super) factor: Cholesky,
-    diagonal: Vec<u32>,
-    /// Row and column of each stored value.
-    places: Vec<(u32, u32)>,
-    formed: Vec<Formed>,
+    pub(super) symbolic: Arc<SymbolicCholesky>,
+    pub(super) system: System,
+    /// Slot of the diagonal entry of each x.
+    diagonal: Arc<[u32]>,
+    /// Row and column of each stored value, in the system's numbering.
+    places: Arc<[(u32, u32)]>,
+    formed: Vec<Arc<Formed>>,
     /// The quadratic form on the free unknowns, identity on the fixed ones.
     base: Vec<f64>,
+    /// What a chain that is not formed would add to the diagonal; empty where it is formed.
+    chain_diagonal: Vec<f64>,
     pub(super) values: Vec<f64>,
     pub(super) is_fixed: Vec<bool>,
     pub(super) scratch: Scratch,
     refinement: [Vec<f64>; 4],
     pub(super) factorizations: usize,
+    /// The factor is that of `values`, without a shift.
+    is_factored: bool,
 }
 
 /// A term's matrix in the engine's slots, without the scale of a chain, and the term it was formed from.
@@ -41,6 +49,8 @@ struct Formed {
     term: Term,
     slots: Vec<u32>,
     values: Vec<f64>,
+    /// The diagonal of a chain that is not formed; else empty.
+    diagonal: Vec<f64>,
 }
 
 impl Engine {
@@ -58,36 +68,123 @@ impl Engine {
     /// # Cost
     /// About one numeric factorisation.
     pub fn new(objective: &Objective, rows: Option<&CsrMatrix>, coordinates: Option<&[[f64; 3]]>) -> Result<Self, QpError> {
+        Self::in_form(objective, rows, coordinates, KktForm::Automatic)
+    }
+
+    /// As [`Engine::new`], with the linear systems in a form of one's choice.
+    ///
+    /// # Errors
+    /// As [`Engine::new`].
+    pub fn in_form(
+        objective: &Objective,
+        rows: Option<&CsrMatrix>,
+        coordinates: Option<&[[f64; 3]]>,
+        form: KktForm,
+    ) -> Result<Self, QpError> {
         objective.check()?;
         let unknowns = objective.unknowns();
-        let matrices: Vec<CsrMatrix> = objective.terms.iter().filter_map(formed_matrix).collect();
+        let layout = Layout::choose(objective, form);
+        let unformed = layout.and_then(|layout| layout.chain_in(&objective.terms));
+        let formed = |(index, term)| if unformed == Some(index) { None } else { formed_matrix(term) };
+        let matrices: Vec<Option<CsrMatrix>> = objective.terms.iter().enumerate().map(formed).collect();
         let coupling = rows.map(|rows| rows.transpose().weighted_product(&vec![1.0; rows.rows()], rows));
-        let patterns: Vec<&CsrMatrix> = matrices.iter().chain(&coupling).collect();
-        let pattern = CsrMatrix::union_of_patterns(unknowns, &patterns);
-        let symbolic = SymbolicCholesky::new(&pattern, fill_reducing_order(&pattern, coordinates)?)?;
+        let patterns: Vec<&CsrMatrix> = matrices.iter().flatten().chain(&coupling).collect();
+        let (pattern, order) = match layout {
+            Some(layout) => layout.pattern(objective, &patterns, coordinates)?,
+            None => {
+                let pattern = CsrMatrix::union_of_patterns(unknowns, &patterns);
+                let order = fill_reducing_order(&pattern, coordinates)?;
+                (pattern, order)
+            }
+        };
+        let symbolic = SymbolicCholesky::new(&pattern, order)?;
         let mut places = vec![(0, 0); symbolic.entries()];
-        for row in 0..unknowns {
+        for row in 0..symbolic.size() {
             for &column in pattern.row(row).0 {
                 if symbolic.is_stored(row, column as usize) {
                     places[symbolic.slot(row, column as usize)? as usize] = (row as u32, column);
                 }
             }
         }
-        let diagonal = (0..unknowns).map(|row| symbolic.slot(row, row)).collect::<Result<Vec<u32>, FactorError>>()?;
-        Ok(Self {
+        drop(pattern);
+        let place = |vertex| layout.map_or(vertex, |layout| layout.unknown(vertex));
+        let slots = (0..unknowns).map(|vertex| symbolic.slot(place(vertex), place(vertex)));
+        let diagonal = slots.collect::<Result<Vec<u32>, FactorError>>()?;
+        let mut engine = Self::with_analysis(Arc::new(symbolic), diagonal.into(), places.into(), layout);
+        // The products were formed for the pattern; the first solve will want their numbers.
+        for (index, (term, matrix)) in objective.terms.iter().zip(matrices).enumerate() {
+            let formed = if unformed == Some(index) { engine.couple(index, term)? } else { engine.form(index, term, matrix)? };
+            engine.formed.push(Arc::new(formed));
+        }
+        Ok(engine)
+    }
+
+    fn with_analysis(
+        symbolic: Arc<SymbolicCholesky>,
+        diagonal: Arc<[u32]>,
+        places: Arc<[(u32, u32)]>,
+        layout: Option<Layout>,
+    ) -> Self {
+        let unknowns = diagonal.len();
+        Self {
             unknowns,
-            factor: Cholesky::new(&symbolic, COLUMNS),
+            system: System::new(layout, &symbolic, COLUMNS),
             diagonal,
             places,
             formed: Vec::new(),
             base: vec![0.0; symbolic.entries()],
+            chain_diagonal: Vec::new(),
             values: vec![0.0; symbolic.entries()],
             is_fixed: vec![false; unknowns],
             scratch: Scratch::new(unknowns),
             refinement: std::array::from_fn(|_| vec![0.0; unknowns]),
             factorizations: 0,
+            is_factored: false,
             symbolic,
-        })
+        }
+    }
+
+    /// Whether the linear systems have auxiliary unknowns instead of formed products.
+    pub fn is_mixed(&self) -> bool {
+        self.system.layout().is_some()
+    }
+
+    /// Where the entry of two unknowns lives in the values.
+    pub(super) fn slot(&self, first: usize, second: usize) -> Result<u32, FactorError> {
+        self.symbolic
+            .slot(self.system.unknown(first), self.system.unknown(second))
+            .map_err(|_| FactorError::OutsidePattern { row: first, column: second })
+    }
+
+    /// A second engine on the same analysis, with a factor of its own: for independent problems in parallel.
+    ///
+    /// The order of elimination, the structure of the factor and the formed products are shared, not copied.
+    ///
+    /// # Cost
+    /// Memory for one factor and a few vectors; no arithmetic.
+    ///
+    /// # Example
+    /// ```
+    /// use morsmooth::qp::{Engine, Objective, Term};
+    /// use rayon::prelude::*;
+    /// // One handle a problem: which of the unknowns 0 and 3 of a chain is held at 1, the other at 0.
+    /// let objective = Objective { terms: vec![Term::Diagonal(vec![1.0; 4])], linear: vec![0.0; 4], constant: 0.0 };
+    /// let engine = Engine::new(&objective, None, None)?;
+    /// let handles = [[Some(1.0), None, None, Some(0.0)], [Some(0.0), None, None, Some(1.0)]];
+    /// let weights: Result<Vec<_>, _> =
+    ///     handles.par_iter().map_init(|| engine.fork(), |engine, fixed| engine.minimise(&objective, fixed)).collect();
+    /// assert_eq!(weights?[1].x, [0.0, 0.0, 0.0, 1.0]);
+    /// # Ok::<(), morsmooth::qp::QpError>(())
+    /// ```
+    pub fn fork(&self) -> Self {
+        let mut engine = Self::with_analysis(
+            self.symbolic.clone(),
+            self.diagonal.clone(),
+            self.places.clone(),
+            self.system.layout(),
+        );
+        engine.formed = self.formed.clone();
+        engine
     }
 
     /// Number of unknowns.
@@ -115,6 +212,8 @@ impl Engine {
         check_fixed(fixed, self.unknowns)?;
         self.formed.truncate(objective.terms.len());
         self.base.fill(0.0);
+        self.chain_diagonal.clear();
+        let unformed = self.system.layout().and_then(|layout| layout.chain_in(&objective.terms));
         for (index, term) in objective.terms.iter().enumerate() {
             if let Term::Diagonal(diagonal) = term {
                 for (&slot, value) in self.diagonal.iter().zip(diagonal) {
@@ -122,35 +221,71 @@ impl Engine {
                 }
             }
             if self.formed.get(index).is_none_or(|formed| !same_matrix(&formed.term, term)) {
-                let formed = self.form(index, term)?;
+                let is_unformed = unformed == Some(index);
+                let formed = if is_unformed { self.couple(index, term)? } else { self.form(index, term, formed_matrix(term))? };
                 self.formed.truncate(index);
-                self.formed.push(formed);
+                self.formed.push(Arc::new(formed));
             }
             let scale = if let Term::Chain { scale, .. } = term { *scale } else { 1.0 };
             let formed = &self.formed[index];
             for (&slot, value) in formed.slots.iter().zip(&formed.values) {
                 self.base[slot as usize] += scale * value;
             }
+            if unformed == Some(index) {
+                self.chain_diagonal.extend(formed.diagonal.iter().map(|value| scale * value));
+            }
         }
         for (slot, value) in self.is_fixed.iter_mut().zip(fixed) {
             *slot = value.is_some();
         }
-        for (value, &(row, column)) in self.base.iter_mut().zip(&self.places) {
-            if self.is_fixed[row as usize] || self.is_fixed[column as usize] {
+        let layout = self.system.layout();
+        let is_without_chain = layout.is_some() && unformed.is_none();
+        for (value, &(row, column)) in self.base.iter_mut().zip(self.places.iter()) {
+            let is_held = |unknown: u32| match layout {
+                None => self.is_fixed[unknown as usize],
+                // Without a chain the auxiliary unknowns stand alone.
+                Some(layout) => layout.vertex(unknown as usize).map_or(is_without_chain, |vertex| self.is_fixed[vertex]),
+            };
+            if is_held(row) || is_held(column) {
                 *value = f64::from(u8::from(row == column));
+            }
+        }
+        for (value, &fixed) in self.chain_diagonal.iter_mut().zip(&self.is_fixed) {
+            if fixed {
+                *value = 0.0;
             }
         }
         Ok(())
     }
 
-    fn form(&self, index: usize, term: &Term) -> Result<Formed, QpError> {
+    /// The entries of a chain that is not formed.
+    fn couple(&self, index: usize, term: &Term) -> Result<Formed, QpError> {
+        let (mut slots, mut values, mut diagonal) = (Vec::new(), Vec::new(), Vec::new());
+        if let Some(layout) = self.system.layout() {
+            for (row, column, value) in layout.entries(term) {
+                let (row, column) = (row as usize, column as usize);
+                slots.push(self.symbolic.slot(row, column).map_err(|_| QpError::TermOutsidePattern {
+                    term: index,
+                    first: row / layout.order,
+                    second: column / layout.order,
+                })?);
+                values.push(value);
+            }
+            diagonal = layout.diagonal(term);
+        }
+        Ok(Formed { term: term.clone(), slots, values, diagonal })
+    }
+
+    fn form(&self, index: usize, term: &Term, matrix: Option<CsrMatrix>) -> Result<Formed, QpError> {
         let (mut slots, mut values) = (Vec::new(), Vec::new());
-        if let Some(matrix) = formed_matrix(term) {
+        if let Some(matrix) = matrix {
+            slots.reserve(matrix.entries() / 2 + self.unknowns);
+            values.reserve(matrix.entries() / 2 + self.unknowns);
             for row in 0..self.unknowns {
                 let (columns, entries) = matrix.row(row);
                 for (&column, &value) in columns.iter().zip(entries) {
-                    if self.symbolic.is_stored(row, column as usize) {
-                        let slot = self.symbolic.slot(row, column as usize).map_err(|_| QpError::TermOutsidePattern {
+                    if self.symbolic.is_stored(self.system.unknown(row), self.system.unknown(column as usize)) {
+                        let slot = self.slot(row, column as usize).map_err(|_| QpError::TermOutsidePattern {
                             term: index,
                             first: row,
                             second: column as usize,
@@ -161,43 +296,53 @@ impl Engine {
                 }
             }
         }
-        Ok(Formed { term: term.clone(), slots, values })
+        Ok(Formed { term: term.clone(), slots, values, diagonal: Vec::new() })
     }
 
     /// Resets the values to the quadratic form alone.
     pub(super) fn reset_values(&mut self) {
+        self.is_factored = false;
         self.values.copy_from_slice(&self.base);
     }
 
     /// Resets the values to a share of the quadratic form.
     pub(super) fn reset_values_to(&mut self, share: f64) {
-        for ((value, base), &(row, column)) in self.values.iter_mut().zip(&self.base).zip(&self.places) {
+        self.is_factored = false;
+        for ((value, base), &(row, column)) in self.values.iter_mut().zip(&self.base).zip(self.places.iter()) {
             // The identity on fixed unknowns stays.
             *value = if row == column && self.is_fixed[row as usize] { *base } else { share * base };
         }
     }
 
+    /// Factors the quadratic form alone, unless that is the factor at hand.
+    pub(super) fn factor_base(&mut self) -> Result<(), QpError> {
+        if self.is_factored && self.values == self.base {
+            return Ok(());
+        }
+        self.reset_values();
+        self.factor_values()
+    }
+
     /// Factors the values; on a failed pivot with growing relative shifts of the diagonal.
     pub(super) fn factor_values(&mut self) -> Result<(), QpError> {
         self.factorizations += 1;
-        let mut failed = match self.factor.factor(&self.symbolic, &self.values) {
-            Ok(()) => return Ok(()),
-            Err(error) => error,
-        };
+        let tried = self.system.factor(&self.symbolic, &self.values);
+        self.is_factored = tried.is_ok();
+        let Err(mut failed) = tried else { return Ok(()) };
         let typical = self.diagonal.iter().map(|&slot| self.values[slot as usize]).fold(0.0, f64::max);
         if !typical.is_finite() {
             return Err(failed.into());
         }
         let mut before = 0.0;
         for shift in SHIFTS {
-            for &slot in &self.diagonal {
+            for &slot in self.diagonal.iter() {
                 let value = &mut self.values[slot as usize];
                 // A tiny part relative to the largest entry covers rows that are zero altogether.
                 *value += (shift - before) * (*value + 1e-6 * typical);
             }
             before = shift;
             self.factorizations += 1;
-            match self.factor.factor(&self.symbolic, &self.values) {
+            match self.system.factor(&self.symbolic, &self.values) {
                 Ok(()) => return Ok(()),
                 Err(error) => failed = error,
             }
@@ -208,14 +353,26 @@ impl Engine {
         })
     }
 
+    /// The diagonal of the quadratic form on the free unknowns, 1 at the fixed ones.
+    pub(super) fn diagonal_values(&self) -> Vec<f64> {
+        (0..self.unknowns).map(|unknown| self.diagonal_of(unknown)).collect()
+    }
+
+    /// Adds a part of itself to each diagonal entry of the values.
+    pub(super) fn shift_values(&mut self, relative: f64) {
+        for &slot in self.diagonal.iter() {
+            self.values[slot as usize] *= 1.0 + relative;
+        }
+    }
+
     /// Largest diagonal entry of the values, which is their largest entry.
     pub(super) fn largest_diagonal(&self) -> f64 {
-        self.diagonal.iter().map(|&slot| self.base[slot as usize]).fold(0.0, f64::max)
+        (0..self.unknowns).map(|unknown| self.diagonal_of(unknown)).fold(0.0, f64::max)
     }
 
     /// The diagonal entry of the quadratic form at an unknown.
     pub(super) fn diagonal_of(&self, unknown: usize) -> f64 {
-        self.base[self.diagonal[unknown] as usize]
+        self.base[self.diagonal[unknown] as usize] + self.chain_diagonal.get(unknown).copied().unwrap_or(0.0)
     }
 
     /// Zero at the fixed unknowns.
@@ -254,7 +411,7 @@ impl Engine {
         let mut reached = 1.0;
         while taken < steps && size > 0.0 {
             solved.copy_from_slice(&residual);
-            self.factor.solve_in_place(&self.symbolic, &mut solved);
+            self.system.solve_in_place(&self.symbolic, &mut solved);
             taken += 1;
             let product = dot(&residual, &solved);
             if taken == 1 {

@@ -92,6 +92,16 @@ pub enum QpError {
         /// The largest shift tried, relative to the diagonal.
         shift: f64,
     },
+    /// An option of a method is out of range.
+    #[error("{option} is {value}; {expected} was expected")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What was expected, in words.
+        expected: &'static str,
+    },
     /// The linear algebra refused.
     #[error(transparent)]
     Factor(#[from] FactorError),

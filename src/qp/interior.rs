@@ -9,9 +9,9 @@ use super::product::{add, largest};
 use super::rows::Rows;
 use super::scaling::Scaling;
 use super::start::{Start, initial};
-use super::{Engine, Problem, Progress, QpError, QpStatus, Settings, Solution, Timings};
+use super::{Engine, Iterate, Problem, Progress, QpError, QpStatus, Settings, Solution, Timings};
 
-/// A solve that stalls with a larger relative gap than this, from a start that was given, is begun again without that start.
+/// A solve that stalls with a larger relative gap than this is begun again from another start.
 const RESTART_GAP: f64 = 1e-6;
 
 /// Steps shorter than this, twice in a row, make a contradiction among blocks likely enough to look for.
@@ -75,6 +75,8 @@ pub(super) struct Interior<'a> {
     pub trial: Triple,
     /// One number a row for whoever needs it.
     pub work: Vec<f64>,
+    /// x, z and gap of the first iterate near the solution.
+    rough: Option<(Vec<f64>, Vec<f64>, f64)>,
     pub solves: usize,
     /// Factorisations of other matrices on behalf of this solve.
     pub elsewhere: usize,
@@ -157,6 +159,7 @@ impl Engine {
             side: vec![0.0; n],
             step: Triple::zeros(n, m),
             trial: Triple::zeros(n, m),
+            rough: None,
             solves: 0,
             elsewhere: 0,
             timings: Timings::default(),
@@ -171,7 +174,7 @@ impl Engine {
             None if m == 0 => interior.without_rows(progress),
             None => match interior.iterate(0, progress)? {
                 (QpStatus::Stalled, iterations) if !interior.rows.is_polyhedral() => interior.resume(iterations, progress)?,
-                (QpStatus::Stalled, iterations) if !matches!(start, Start::Cold) => interior.restart(iterations, progress)?,
+                (QpStatus::Stalled, iterations) => interior.restart(iterations, progress)?,
                 ended => ended,
             },
         };
@@ -223,14 +226,14 @@ impl Interior<'_> {
         (if measure.is_optimal(self.settings) { QpStatus::Solved } else { QpStatus::Stalled }, 0)
     }
 
-    /// Begins once more, cold, after a stall far from the optimum; ends at the better of the two points.
+    /// Begins once more, elsewhere, after a stall far from the optimum; ends at the better of the two points.
     fn restart(&mut self, iterations: usize, progress: &mut dyn FnMut(Progress)) -> Result<(QpStatus, usize), QpError> {
         let before = Measure::of(self);
         if before.kkt.duality_gap <= RESTART_GAP || iterations >= self.settings.max_iterations {
             return Ok((QpStatus::Stalled, iterations));
         }
         let stalled = self.point.clone();
-        initial(self, Start::Cold)?;
+        initial(self, Start::Lifted)?;
         let (status, iterations) = self.iterate(iterations, progress)?;
         let is_open = matches!(status, QpStatus::Stalled | QpStatus::IterationLimit);
         if is_open && Measure::of(self).merit(self.settings) >= before.merit(self.settings) {
@@ -281,6 +284,9 @@ impl Interior<'_> {
             } else {
                 without_progress += 1;
             }
+            if self.rough.is_none() && measure.is_rough() {
+                self.rough = Some((self.point.x.clone(), self.point.z.clone(), measure.kkt.duality_gap));
+            }
             if measure.is_optimal(self.settings) {
                 return Ok((QpStatus::Solved, iteration));
             }
@@ -317,13 +323,18 @@ impl Interior<'_> {
         let mut slack = self.problem.constraints.matrix.multiply(&self.point.x);
         add(&mut slack, 1.0, &self.problem.constraints.offset);
         let mut dual = vec![0.0; total];
+        let mut restart = self.rough.map(|(x, z, gap)| (Iterate { x, dual: vec![0.0; total], gap }, z));
         for (row, &original) in self.rows.original.iter().enumerate() {
             slack[original as usize] = self.point.s[row];
             dual[original as usize] = self.point.z[row];
+            if let Some((iterate, z)) = &mut restart {
+                iterate.dual[original as usize] = z[row];
+            }
         }
         Solution {
             slack,
             dual,
+            restart: restart.map(|(iterate, _)| iterate),
             status,
             objective: measure.objective,
             kkt: measure.kkt,

@@ -9,6 +9,9 @@ use super::interior::Interior;
 use super::product::{Scratch, add, dot, largest};
 use super::{KktResiduals, Progress, Settings};
 
+/// Relative gap and residuals of the iterate that is kept for restarts.
+const ROUGH: f64 = 1e-3;
+
 /// The residuals of a point and its objective.
 pub(super) struct Measure {
     pub objective: f64,
@@ -47,6 +50,11 @@ impl Measure {
 
     pub fn is_optimal(&self, settings: &Settings) -> bool {
         self.merit(settings) <= 1.0
+    }
+
+    /// Near enough to the optimum to know it, far enough from the boundary to restart from.
+    pub fn is_rough(&self) -> bool {
+        self.kkt.duality_gap.max(self.kkt.stationarity).max(self.kkt.primal) <= ROUGH
     }
 
     /// The largest residual over its tolerance.

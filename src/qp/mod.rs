@@ -7,11 +7,12 @@
 //! P is a sum of terms, among them chains `L (W L)^(k-1)` that are multiplied through and never trusted in formed shape.
 //! Every row touches few neighbouring unknowns, so that `P + Aᵀ W A` keeps one pattern: an [`Engine`] orders and analyses
 //! it once, and then serves minimisers without rows ([`Engine::minimise`], [`Engine::pin`]) and interior-point solves
-//! ([`Engine::solve`]) with any weights, fixed sets and rows inside that pattern. It knows no mesh.
+//! ([`Engine::solve`]) or penalty continuation ([`Engine::solve_penalty`]) with any weights, fixed sets and rows inside that pattern. It knows no mesh.
 //!
 //! The end of a solve is a [`QpStatus`] with [`KktResiduals`] on the problem as given; only `Solved` is success.
 
 mod blocks;
+mod centred;
 mod certificate;
 mod conflict;
 mod elastic;
@@ -19,6 +20,8 @@ mod engine;
 mod error;
 mod interior;
 mod kkt;
+mod mixed;
+mod penalty;
 mod pinned;
 mod problem;
 mod product;
@@ -32,6 +35,8 @@ pub use certificate::Certificate;
 pub use engine::Engine;
 pub use error::QpError;
 pub use interior::solve;
+pub use mixed::KktForm;
+pub use penalty::{LineSearch, MatrixPenalty, Method, Penalty, PenaltyOptions, Preview, Until, solve_with};
 pub use pinned::{Minimum, PinnedSolver};
 pub use problem::{Cone, Constraints, Objective, Problem, Term};
-pub use solution::{KktResiduals, Progress, QpStatus, Settings, Solution, Timings};
+pub use solution::{Iterate, KktResiduals, Progress, QpStatus, Settings, Solution, Timings};

@@ -43,8 +43,7 @@ impl Engine {
     /// One numeric factorisation.
     pub fn pin<'a>(&'a mut self, objective: &'a Objective, fixed: &[Option<f64>]) -> Result<PinnedSolver<'a>, QpError> {
         self.assemble(objective, fixed)?;
-        self.reset_values();
-        self.factor_values()?;
+        self.factor_base()?;
         let start = fixed.iter().map(|value| value.unwrap_or(0.0)).collect();
         Ok(PinnedSolver { engine: self, objective, start })
     }
@@ -79,7 +78,7 @@ impl Engine {
         let mut side = objective.linear.clone();
         self.mask(&mut side);
         self.factor_values()?;
-        self.factor.solve_in_place(&self.symbolic, &mut side);
+        self.system.solve_in_place(&self.symbolic, &mut side);
         Ok(side)
     }
 }
@@ -154,7 +153,7 @@ impl PinnedSolver<'_> {
             block.fill(0.0);
             let mut before = f64::INFINITY;
             for _ in 0..STEPS {
-                self.engine.factor.solve_in_place(&self.engine.symbolic, &mut residual);
+                self.engine.system.solve_in_place(&self.engine.symbolic, &mut residual);
                 add(block, 1.0, &residual);
                 let now = self.residuals(block, &wanted, &mut residual);
                 if now > 0.25 * before {

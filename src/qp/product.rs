@@ -1,5 +1,7 @@
 //! Values and gradients of an objective, by multiplying through its terms.
 
+use rayon::prelude::*;
+
 use super::{Objective, Term};
 
 /// Two vectors of n numbers for the steps of a chain.
@@ -144,19 +146,46 @@ impl Objective {
     }
 }
 
-/// `y += a x`.
-pub(super) fn add(y: &mut [f64], a: f64, x: &[f64]) {
-    for (slot, x) in y.iter_mut().zip(x) {
-        *slot += a * x;
-    }
+/// Numbers that are summed one after the other; sums of such chunks are added in their order.
+const CHUNK: usize = 16_384;
+
+/// Vectors below this length are not worth waking a thread for.
+const SHORT: usize = 4 * CHUNK;
+
+/// Whether a loop over this many numbers is shared among threads.
+fn is_shared(length: usize) -> bool {
+    length >= SHORT && rayon::current_num_threads() > 1
 }
 
-/// Summed in index order, so that the bits never depend on threads.
+/// `y += a x`.
+pub(super) fn add(y: &mut [f64], a: f64, x: &[f64]) {
+    let one = |(y, x): (&mut [f64], &[f64])| {
+        for (slot, x) in y.iter_mut().zip(x) {
+            *slot += a * x;
+        }
+    };
+    if is_shared(y.len()) { y.par_chunks_mut(CHUNK).zip(x.par_chunks(CHUNK)).for_each(one) } else { one((y, x)) }
+}
+
+/// Summed in chunks of fixed length, so that the bits never depend on threads.
 pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
+    let one = |(x, y): (&[f64], &[f64])| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
+    if is_shared(x.len()) {
+        let sums: Vec<f64> = x.par_chunks(CHUNK).zip(y.par_chunks(CHUNK)).map(one).collect();
+        sums.iter().sum()
+    } else {
+        x.chunks(CHUNK).zip(y.chunks(CHUNK)).map(one).sum()
+    }
 }
 
 /// Largest absolute value; NaN if there is one.
 pub(super) fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |most: f64, x| if x.abs() > most || x.is_nan() { x.abs() } else { most })
+    let one = |x: &[f64]| x.iter().fold(0.0, larger);
+    let larger = |most: f64, x: f64| larger(most, &x);
+    if is_shared(x.len()) { x.par_chunks(CHUNK).map(one).reduce(|| 0.0, larger) } else { one(x) }
+}
+
+/// The larger absolute value; NaN where one is, which no later value replaces.
+fn larger(most: f64, x: &f64) -> f64 {
+    if x.abs() > most || x.is_nan() { x.abs() } else { most }
 }

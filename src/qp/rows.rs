@@ -129,7 +129,7 @@ impl Rows {
                 continue;
             }
             let slot = |first: u32, second: u32| {
-                engine.symbolic.slot(first as usize, second as usize).map_err(|error| match error {
+                engine.slot(first as usize, second as usize).map_err(|error| match error {
                     FactorError::OutsidePattern { row, column } => {
                         QpError::RowOutsidePattern { row: found.first, first: row, second: column }
                     }

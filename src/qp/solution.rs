@@ -82,6 +82,18 @@ pub struct Timings {
     pub total: f64,
 }
 
+/// A point on the way to a solution, from which a nearby problem is solved in fewer iterations than from the solution itself: it
+/// keeps clear of the boundary.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Iterate {
+    /// The point, n numbers.
+    pub x: Vec<f64>,
+    /// The multipliers of all rows, m positive numbers (0 for rows without free unknowns).
+    pub dual: Vec<f64>,
+    /// Its relative duality gap.
+    pub gap: f64,
+}
+
 /// The end of a solve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
@@ -91,6 +103,9 @@ pub struct Solution {
     pub slack: Vec<f64>,
     /// z, the multiplier of each row, m numbers, nonnegative or scaled vectors of positive semi-definite blocks.
     pub dual: Vec<f64>,
+    /// The first iterate with a relative gap and residuals below 1e-3, for [`Engine::solve_warm`](super::Engine::solve_warm) on the next
+    /// problem; `None` if no iterate came that near.
+    pub restart: Option<Iterate>,
     /// How the solve ended.
     pub status: QpStatus,
     /// The objective at the point, with its constant.

@@ -2,6 +2,7 @@
 
 use crate::linalg::small::{composed, from_scaled, scaled_length, symmetric_eigen, to_scaled};
 
+use super::centred::split;
 use super::conflict::contradiction;
 use super::interior::{Interior, Triple};
 use super::problem::{finite, length};
@@ -32,6 +33,8 @@ const BLOCK_FORCE: (f64, f64) = (3.0, 1e5);
 #[derive(Clone, Copy)]
 pub(super) enum Start<'a> {
     Cold,
+    /// The minimiser without rows again, slacks lifted to one floor: another way into a problem that was left unsolved.
+    Lifted,
     Point(&'a [f64]),
     Warm { x: &'a [f64], dual: &'a [f64] },
     /// A point well inside every cone with duals well inside.
@@ -83,15 +86,14 @@ pub(super) fn initial(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(
     }
     interior.rows.slack_into(&interior.point.x, &mut interior.point.s);
     if interior.rows.is_polyhedral() {
-        rows_only(interior, start);
-    } else {
-        with_blocks(interior, start);
+        return rows_only(interior, start);
     }
+    with_blocks(interior, start);
     Ok(())
 }
 
 /// Slacks and duals where there are nonnegative rows only.
-fn rows_only(interior: &mut Interior<'_>, start: Start<'_>) {
+fn rows_only(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(), QpError> {
     let m = interior.rows.len();
     let mean = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>() / m as f64;
     let unit = match mean(&interior.point.s) {
@@ -102,9 +104,12 @@ fn rows_only(interior: &mut Interior<'_>, start: Start<'_>) {
     let least = interior.point.s.iter().copied().fold(f64::INFINITY, f64::min);
     interior.is_feasible |= matches!(start, Start::Point(_)) && least >= 0.0;
     let inside = least > INSIDE * unit;
+    if matches!(start, Start::Cold) || (matches!(start, Start::Point(_)) && !inside) {
+        return split(interior, unit);
+    }
     let floor = match start {
         // A start well inside the cone is taken as it is.
-        Start::Point(_) if inside => 0.0,
+        Start::Point(_) => 0.0,
         Start::Warm { .. } => WARM_FLOOR * unit,
         _ => COLD_FLOOR * unit,
     };
@@ -131,6 +136,7 @@ fn rows_only(interior: &mut Interior<'_>, start: Start<'_>) {
             interior.point.z[row] = known.max(WARM_FLOOR * level);
         }
     }
+    Ok(())
 }
 
 /// Slacks and duals where there are blocks: every eigenvalue of `A x + b` is split into the difference of a slack and a dual with one product.

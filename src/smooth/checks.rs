@@ -1,13 +1,36 @@
 //! What is refused before any work, and the units in which the rest is safe from overflow.
 
-use crate::field::VertexId;
+use crate::field::{FieldError, VertexId, check_finite};
 use crate::mesh::SimplicialComplex;
 
 use super::error::SmoothError;
 use super::options::{ExtremumValues, Length, SmoothOptions};
 
+/// Refuses options out of their range, and data that no smooth field is near, before any work.
+///
+/// # Arguments
+/// * `data`: `n` values, one a vertex of `complex`.
+///
+/// # Errors
+/// [`SmoothError`], as [`smooth`](super::smooth) would give it.
+///
+/// # Cost
+/// O(n + m).
+pub fn check_field(complex: &SimplicialComplex, data: &[f64], options: &SmoothOptions<'_>) -> Result<(), SmoothError> {
+    check_options(complex, data, options)?;
+    if data.len() != complex.vertex_count() {
+        return Err(FieldError::LengthMismatch { expected: complex.vertex_count(), found: data.len() }.into());
+    }
+    check_finite(data)?;
+    if let Some(constant) = constant_components(complex, data).first() {
+        return Err(SmoothError::Constant { vertex: constant[0], vertices: constant.len(), value: data[constant[0].index()] });
+    }
+    check_confidence(complex, options.confidence)?;
+    unit(data.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)))).map(|_| ())
+}
+
 /// Refuses options out of their range.
-pub(super) fn check_options(complex: &SimplicialComplex, data: &[f64], options: &SmoothOptions<'_>) -> Result<(), SmoothError> {
+fn check_options(complex: &SimplicialComplex, data: &[f64], options: &SmoothOptions<'_>) -> Result<(), SmoothError> {
     let range = |option, found: f64, expected, fits: bool| match fits {
         true => Ok(()),
         false => Err(SmoothError::OptionRange { option, found, expected }),
@@ -68,7 +91,7 @@ pub fn constant_components(complex: &SimplicialComplex, values: &[f64]) -> Vec<V
 }
 
 /// Refuses a component on which no data value counts: nothing would decide on its level.
-pub(super) fn check_confidence(complex: &SimplicialComplex, confidence: Option<&[f64]>) -> Result<(), SmoothError> {
+fn check_confidence(complex: &SimplicialComplex, confidence: Option<&[f64]>) -> Result<(), SmoothError> {
     let Some(confidence) = confidence else { return Ok(()) };
     let (component, count) = complex.components();
     let mut counts = vec![false; count];

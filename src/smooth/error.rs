@@ -1,7 +1,7 @@
 //! Why a field was not smoothed.
 
 use crate::field::{FieldError, VertexId};
-use crate::monotone::{Contradiction, NotRepresentable, Precision, RepresentativeError};
+use crate::monotone::{Contradiction, NotRepresentable, Precision, RepresentativeError, SimplifyError};
 use crate::morse::MorseError;
 use crate::operators::OperatorError;
 use crate::qp::QpError;
@@ -147,6 +147,14 @@ impl From<Contradiction> for SmoothError {
 impl SmoothError {
     pub(super) fn not_representable(found: NotRepresentable, precision: Precision) -> Self {
         Self::NotRepresentable { vertex: found.vertex, precision }
+    }
+
+    pub(super) fn of_simplify(error: SimplifyError, precision: Precision) -> Self {
+        match error {
+            SimplifyError::Representative(error) => Self::Representative(error),
+            SimplifyError::Contradiction(found) => Self::Contradiction(found),
+            SimplifyError::NotRepresentable(found) => Self::not_representable(found, precision),
+        }
     }
 
     /// The vertices that the message names, in its order.

@@ -38,6 +38,24 @@ pub enum ExtremumValues {
     Within(f64),
 }
 
+/// What of the Morse complex of the simplified field is kept besides its extrema.
+///
+/// The values kept are those of the field on which extrema were selected, simplified to the wanted ones; only values, not
+/// the type of the critical point, are guaranteed there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum KeepAlso {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// Values at the saddles between wanted extrema.
+    Saddles,
+    /// Values along the separatrices that lead from these saddles to wanted extrema, without the saddles.
+    Separatrices,
+    /// Both.
+    Both,
+}
+
 /// Options of [`smooth`](super::smooth). The default selects on the data, needs a `selection`, and takes k = 2.
 #[derive(Debug, Clone)]
 pub struct SmoothOptions<'a> {
@@ -55,6 +73,8 @@ pub struct SmoothOptions<'a> {
     pub smoothness: Option<&'a [f64]>,
     /// Values at the wanted extrema.
     pub values: ExtremumValues,
+    /// What is kept besides the extrema.
+    pub keep_also: KeepAlso,
     /// The representative function.
     pub strategy: Strategy,
     /// Which edges take its direction.
@@ -80,6 +100,7 @@ impl SmoothOptions<'_> {
             confidence: None,
             smoothness: None,
             values: ExtremumValues::default(),
+            keep_also: KeepAlso::default(),
             strategy: Strategy::default(),
             edges: EdgeSet::default(),
             refine: 0,

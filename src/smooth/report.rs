@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::monotone::{Precision, Strategy};
 use crate::qp::{KktResiduals, QpStatus};
 
-use super::options::SelectOn;
+use super::options::{KeepAlso, SelectOn};
 
 /// Number of minima and maxima of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -75,6 +75,23 @@ pub struct EnergyReport {
     pub above_unconstrained: f64,
     /// Energy after the first solve and after each refinement round, before the repair.
     pub rounds: Vec<f64>,
+}
+
+/// What was kept besides the extrema, and the energy paid for it, before the repair.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KeptReport {
+    /// What was asked.
+    pub what: KeepAlso,
+    /// Saddles that keep their value.
+    pub saddles: usize,
+    /// Further vertices on separatrices that keep theirs.
+    pub separatrix_vertices: usize,
+    /// Energy of the field that keeps the wanted extrema only, `[value² length^d]`.
+    pub without: f64,
+    /// Energy of this field.
+    pub with: f64,
+    /// `with / without - 1`.
+    pub paid: f64,
 }
 
 /// What the solver reached, the last round's.
@@ -172,6 +189,8 @@ pub struct SmoothReport {
     /// Of these, kept below the threshold because their part of the domain touches the rest at one vertex only, so that no
     /// field is without them. Their values are free.
     pub unavoidable: usize,
+    /// What was kept besides the extrema; absent if nothing was asked.
+    pub kept_also: Option<KeptReport>,
     /// Order k of the polyharmonic energy.
     pub order: usize,
     /// Smoothing length.

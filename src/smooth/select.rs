@@ -46,6 +46,18 @@ impl MeasuredField {
         let end = |vertex: Option<&VertexId>| vertex.map_or(0.0, |vertex| self.values[vertex.index()]);
         (end(self.order.sequence().first()), end(self.order.sequence().last()))
     }
+
+    /// The persistence that a selection asks to exceed, in the units of the values; `None` if it is no threshold.
+    ///
+    /// # Errors
+    /// [`SmoothError::Morse`] for a threshold that is negative or no number.
+    pub fn threshold(&self, selection: &Selection) -> Result<Option<f64>, SmoothError> {
+        let (low, high) = self.range();
+        match selection {
+            Selection::Threshold(threshold) => Ok(Some(threshold.resolve(high - low)?)),
+            Selection::Count(_) | Selection::Set(_) => Ok(None),
+        }
+    }
 }
 
 /// The selection, completed where the domain needs more.

@@ -5,6 +5,8 @@ mod io;
 mod mesh;
 mod monotone;
 mod datasets;
+mod field;
+mod deform;
 mod house;
 mod audit;
 mod morse;

@@ -24,6 +24,8 @@ pub struct Instance {
     pub coordinates: Vec<[f64; 3]>,
     /// A strictly feasible start: 0.9 sweep + 0.1 levels.
     pub start: Vec<f64>,
+    /// The minimiser without rows.
+    pub pinned: Vec<f64>,
 }
 
 /// Sebastiano Vigna's SplitMix64.
@@ -160,7 +162,7 @@ pub fn instance(side: usize, order: usize, case: Case, seed: u64) -> Instance {
     let swept = sweep(&arcs, &rank, &fixed, &pinned);
     let start = swept.iter().zip(&levels).map(|(s, l)| 0.9 * s + 0.1 * l).collect();
     let constraints = Constraints::nonnegative(rows, vec![0.0; arcs.len()]);
-    Instance { problem: Problem { objective, fixed, constraints }, coordinates: points, start }
+    Instance { problem: Problem { objective, fixed, constraints }, coordinates: points, start, pinned }
 }
 
 fn monotonicity_edges(edges: &[Vec<u32>], rank: &[f64], fixed: &[Option<f64>]) -> Vec<(u32, u32)> {

@@ -14,22 +14,25 @@
 //! for `minimise 1/2 xᵀ P x + qᵀ x + constant subject to x_i = fixed_i, A x + b >= 0`, over `x = (field - shift) / unit`.
 #![allow(clippy::print_stderr)]
 
+#[path = "../test_set/export.rs"]
+mod export;
+
 use std::collections::HashMap;
 use std::error::Error;
-use std::fmt::Write as _;
 use std::path::Path;
 
 use morsmooth::field::VertexOrder;
 use morsmooth::io::{ArrayData, MaskSources, domain, mask, read};
-use morsmooth::linalg::CsrMatrix;
 use morsmooth::monotone::{
     EdgeSet, EnergyWeights, Fitter, MonotoneConstraints, MonotonicityGraph, Operators, Precision, ValueRule, levels,
     representative,
 };
 use morsmooth::morse::{Selection, Threshold};
-use morsmooth::qp::{Engine, Problem, Settings, Solution, Term};
+use morsmooth::qp::{Engine, Settings};
 use morsmooth::smooth::{MeasuredField, select_extrema};
-use serde_json::json;
+use serde_json::Value;
+
+use export::Formed;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -100,7 +103,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     };
     std::fs::create_dir_all(folder)?;
-    write(Path::new(folder), &fit.problem, solution.as_ref())?;
+    let more = [("solution", solution.as_ref().map_or(Value::Null, export::solution))];
+    export::write(Path::new(folder), &fit.problem, Formed::Yes, &more)?;
     eprintln!(
         "{} unknowns, {} fixed, {} rows{}",
         fit.start.len(),
@@ -111,56 +115,5 @@ fn main() -> Result<(), Box<dyn Error>> {
             solution.status, solution.iterations, solution.timings.total, solution.kkt.duality_gap
         ))
     );
-    Ok(())
-}
-
-fn write(folder: &Path, problem: &Problem, solution: Option<&Solution>) -> Result<(), Box<dyn Error>> {
-    let n = problem.fixed.len();
-    let [Term::Chain { scale, stiffness, weights, order }, Term::Diagonal(diagonal)] = problem.objective.terms.as_slice() else {
-        return Err("the objective is not a chain and a diagonal".into());
-    };
-    let mut product = stiffness.clone();
-    for _ in 1..*order {
-        product = stiffness.weighted_product(weights, &product);
-    }
-    let entries = |matrix: &CsrMatrix, scale: f64| -> Vec<(u32, u32, f64)> {
-        let row = |row: usize| {
-            let (columns, values) = matrix.row(row);
-            columns.iter().zip(values).map(|(&column, &value)| (row as u32, column, scale * value)).collect::<Vec<_>>()
-        };
-        (0..matrix.rows()).flat_map(row).collect()
-    };
-    let mut quadratic = entries(&product, *scale);
-    quadratic.extend(diagonal.iter().enumerate().map(|(i, &value)| (i as u32, i as u32, value)));
-    // The product is symmetric up to rounding; the mean of both triangles is exactly so.
-    let mirrored: Vec<_> = quadratic.iter().flat_map(|&(i, j, value)| [(i, j, 0.5 * value), (j, i, 0.5 * value)]).collect();
-    matrix_market(&folder.join("P.mtx"), &CsrMatrix::from_triplets(n, n, &mirrored)?)?;
-    matrix_market(&folder.join("L.mtx"), stiffness)?;
-    matrix_market(&folder.join("A.mtx"), &problem.constraints.matrix)?;
-    let solution = solution.map(|solution| {
-        json!({
-            "x": solution.x, "dual": solution.dual, "objective": solution.objective, "status": solution.status,
-            "kkt": solution.kkt, "iterations": solution.iterations, "seconds": solution.timings.total,
-        })
-    });
-    let problem = json!({
-        "linear": problem.objective.linear, "constant": problem.objective.constant, "fixed": problem.fixed,
-        "offset": problem.constraints.offset, "scale": scale, "weights": weights, "order": order, "diagonal": diagonal,
-        "solution": solution,
-    });
-    std::fs::write(folder.join("problem.json"), serde_json::to_string(&problem)?)?;
-    Ok(())
-}
-
-fn matrix_market(path: &Path, matrix: &CsrMatrix) -> Result<(), Box<dyn Error>> {
-    let mut text = String::from("%%MatrixMarket matrix coordinate real general\n");
-    writeln!(text, "{} {} {}", matrix.rows(), matrix.columns(), matrix.entries())?;
-    for row in 0..matrix.rows() {
-        let (columns, values) = matrix.row(row);
-        for (column, value) in columns.iter().zip(values) {
-            writeln!(text, "{} {} {value:e}", row + 1, column + 1)?;
-        }
-    }
-    std::fs::write(path, text)?;
     Ok(())
 }

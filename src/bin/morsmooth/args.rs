@@ -26,8 +26,17 @@ pub enum Command {
     /// is written without --keep-unaudited); 2 for a wrong command line or input. They say nothing of optimality: a solver
     /// that stops before the asked gap gives a line 'warning:' on standard error, even with --quiet.
     Smooth(Box<SmoothArgs>),
+    /// Write the field itself with exactly the wanted minima and maxima: topological simplification, nothing is smoothed.
+    Simplify(Box<crate::simplify::SimplifyArgs>),
+    /// Write the persistence diagram, draw the persistence curve, and suggest thresholds.
+    Persistence(Box<crate::persistence::PersistenceArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
+    /// Write the Morse–Smale complex: critical points, separatrices, segmentation, in the layout of TTK.
+    ///
+    /// Three files in the output directory, named after the input: ...CriticalPoints.vtp, ...1Separatrices.vtp, and
+    /// ...Segmentation with the input and three more arrays. Without a threshold the complex is not simplified.
+    Complex(crate::complex::ComplexArgs),
 }
 
 /// Which field of which file, on which part of the domain.
@@ -39,6 +48,32 @@ pub struct FieldArgs {
     /// Point array to work on. Needed only where the file has several.
     #[arg(long, value_name = "NAME")]
     pub array: Option<String>,
+
+    /// Array whose zeros are holes in the domain (a point array, or else a cell array).
+    ///
+    /// Ghost and blank flags of the file, and NaN in the array worked on, are holes as well.
+    #[arg(long, value_name = "NAME")]
+    pub mask: Option<String>,
+
+    /// Work on a scalar derived from the vector array named by --array.
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub derive: Option<DeriveKind>,
+}
+
+/// Which fields of which file, on which part of the domain.
+#[derive(Debug, Clone, Args)]
+pub struct FieldsArgs {
+    /// VTK file to read: .vti .vtu .vtp .vtr .vts or legacy .vtk.
+    pub input: PathBuf,
+
+    /// Point array to work on. Needed only where the file has several. May be given several times, or as a list a,b,c: each
+    /// gives a result, and they share what depends on the mesh only.
+    #[arg(long, value_name = "NAME")]
+    pub array: Vec<String>,
+
+    /// Work on every scalar point array whose name fits the pattern; * stands for any characters, ? for one.
+    #[arg(long, value_name = "PATTERN", conflicts_with = "array")]
+    pub array_pattern: Option<String>,
 
     /// Array whose zeros are holes in the domain (a point array, or else a cell array).
     ///
@@ -118,18 +153,21 @@ pub struct ExtremaArgs {
 #[group(multiple = false)]
 pub struct SelectionArgs {
     /// Keep extrema whose persistence exceeds this part of the range: 10% or 0.1.
-    #[arg(long, value_name = "FRACTION", value_parser = fraction, allow_hyphen_values = true)]
-    pub persistence: Option<f64>,
+    ///
+    /// A list such as 1%,5%,20% gives a result for each, from one computation of what they share; the name of each array ends
+    /// in its threshold, as in h_smooth_5pct.
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, value_delimiter = ',', allow_hyphen_values = true)]
+    pub persistence: Vec<f64>,
 
-    /// Keep extrema whose persistence exceeds this, in the units of the array.
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
-    pub persistence_abs: Option<f64>,
+    /// Keep extrema whose persistence exceeds this, in the units of the array. A list gives a result for each.
+    #[arg(long, value_name = "VALUE", value_delimiter = ',', allow_negative_numbers = true)]
+    pub persistence_abs: Vec<f64>,
 
-    /// Keep this many extrema, minima and maxima together, the most persistent ones.
+    /// Keep this many extrema, minima and maxima together, the most persistent ones. A list gives a result for each.
     ///
     /// At least this many: extrema that the domain itself demands, such as the ends of a line, are kept besides.
-    #[arg(long, value_name = "N")]
-    pub extrema: Option<usize>,
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    pub extrema: Vec<usize>,
 
     /// Keep the extrema listed in this file: point numbers in a text file, or a persistence diagram (.vtu) with the array
     /// ttkVertexScalarField.
@@ -140,15 +178,15 @@ pub struct SelectionArgs {
 /// `morsmooth smooth`.
 #[derive(Debug, Args)]
 pub struct SmoothArgs {
-    /// The field.
+    /// The fields.
     #[command(flatten)]
-    pub field: FieldArgs,
+    pub field: FieldsArgs,
 
     /// File to write; same kind of data set as the input.
     pub output: PathBuf,
 
-    /// Name of the array written; <ARRAY>_smooth by default.
-    #[arg(long, value_name = "NAME")]
+    /// Name of the array written; <ARRAY>_smooth by default. Of several thresholds each adds its own ending.
+    #[arg(long, value_name = "NAME", visible_alias = "name")]
     pub output_array: Option<String>,
 
     /// Which extrema are wanted.
@@ -163,6 +201,13 @@ pub struct SmoothArgs {
     /// Values at the extrema: keep, free, or within a part of the range such as 5%.
     #[arg(long, value_name = "keep|free|FRACTION", default_value = "keep", value_parser = extremum_values, allow_hyphen_values = true)]
     pub values: ValuesKind,
+
+    /// Keep more of the Morse complex than its extrema: values at saddles, values along separatrices, or both.
+    ///
+    /// They are the values of the field on which extrema are measured, simplified to the wanted ones. The report says what
+    /// energy they cost.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub keep_also: Option<KeepAlsoKind>,
 
     /// Order of the polyharmonic energy, 1 to 4.
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
@@ -255,6 +300,17 @@ pub enum SelectKind {
     Smooth,
 }
 
+/// Values of `--keep-also`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum KeepAlsoKind {
+    /// Values at the saddles between wanted extrema.
+    Saddles,
+    /// Values along the separatrices from these saddles to the extrema.
+    Separatrices,
+    /// Both.
+    Both,
+}
+
 /// Values of `--representative`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum StrategyKind {
@@ -289,7 +345,7 @@ pub enum ValuesKind {
 }
 
 /// Reads `10%` or `0.1`.
-fn fraction(text: &str) -> Result<f64, String> {
+pub fn fraction(text: &str) -> Result<f64, String> {
     let number = |digits: &str| digits.trim().parse::<f64>().map_err(|_| format!("found '{text}'; expected a part such as 10% or 0.1"));
     let value = match text.trim().strip_suffix('%') {
         Some(digits) => number(digits)? / 100.0,

@@ -1,15 +1,16 @@
 //! From the command line to a field on a domain.
 
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use morsmooth::field::VertexId;
-use morsmooth::io::{ArrayData, DataArray, DataSet, DomainIoError, MaskSources, domain, mask, read};
+use morsmooth::io::{ArrayData, DataArray, DataSet, MaskSources, domain, mask, read};
 use morsmooth::mesh::{Domain, Mask, check};
 use morsmooth::monotone::Precision;
 use morsmooth::operators::{Derived, OperatorError, derive};
 use morsmooth::smooth::{SmoothError, constant_components};
 
-use crate::args::{DeriveKind, FieldArgs};
+use crate::args::{DeriveKind, FieldArgs, FieldsArgs};
 use crate::failure::Failure;
 use crate::number::short;
 
@@ -17,14 +18,18 @@ use crate::number::short;
 pub struct FieldInput {
     /// The file.
     pub path: PathBuf,
-    /// All of it.
-    pub dataset: DataSet,
+    /// All of it, shared by the fields of one file.
+    pub dataset: Rc<DataSet>,
     /// Name of the field.
     pub name: String,
+    /// Whether it was derived from the array of a vector.
+    pub is_derived: bool,
     /// The mask asked for.
     pub mask: Option<String>,
-    /// The domain.
-    pub domain: Domain,
+    /// The domain, shared by fields with the same holes.
+    pub domain: Rc<Domain>,
+    /// The points and cells that are in it.
+    kept: Mask,
     /// Value at every point of the file; NaN where a derived field has none.
     pub on_points: Vec<f64>,
     /// Value at every vertex of the domain.
@@ -38,38 +43,82 @@ pub struct FieldInput {
 impl FieldInput {
     /// Reads the file, finds the array, builds the domain.
     pub fn load(args: &FieldArgs) -> Result<Self, Failure> {
-        let dataset = read(&args.input).map_err(|error| Failure::usage(error.to_string()))?;
+        let dataset = Rc::new(read(&args.input).map_err(|error| Failure::usage(error.to_string()))?);
         let array = choose(&dataset, args)?;
+        Self::of_array(&dataset, array, args, None)
+    }
+
+    /// Reads the file once, and a field for every array meant; fields with the same holes share their domain.
+    pub fn load_all(args: &FieldsArgs) -> Result<Vec<Self>, Failure> {
+        let dataset = Rc::new(read(&args.input).map_err(|error| Failure::usage(error.to_string()))?);
+        let single = |array: Option<String>| FieldArgs {
+            input: args.input.clone(),
+            array,
+            mask: args.mask.clone(),
+            derive: args.derive,
+        };
+        let names = array_names(&dataset, args, &single(None))?;
+        let mut inputs: Vec<Self> = Vec::with_capacity(names.len());
+        for name in names {
+            let args = single(name);
+            let array = choose(&dataset, &args)?;
+            let input = Self::of_array(&dataset, array, &args, inputs.last())?;
+            if inputs.iter().any(|other| other.name == input.name) {
+                return Err(Failure::usage(format!("the array '{}' was named twice; expected each once", input.name)));
+            }
+            inputs.push(input);
+        }
+        Ok(inputs)
+    }
+
+    /// The field of one array; `near` is another one of the same file, whose domain may be the same.
+    fn of_array(dataset: &Rc<DataSet>, array: &DataArray, args: &FieldArgs, near: Option<&Self>) -> Result<Self, Failure> {
         let sources =
             MaskSources { array: args.mask.clone(), holes: vec![array.name.clone()], ..MaskSources::default() };
         let file = |error: &dyn std::fmt::Display| Failure::file(&args.input, error);
-        let kept = mask(&dataset, &sources).map_err(|error| file(&error))?;
-        let domain = domain(&dataset, &kept).map_err(|error| file(&error))?;
+        let kept = mask(dataset, &sources).map_err(|error| file(&error))?;
+        let full = match near.filter(|near| near.kept == kept) {
+            Some(near) => Rc::clone(&near.domain),
+            None => Rc::new(domain(dataset, &kept).map_err(|error| file(&error))?),
+        };
         let precision = match array.data {
             ArrayData::F32(_) => Precision::F32,
             _ => Precision::F64,
         };
         let (name, on_points) = match args.derive {
             None => (array.name.clone(), array.to_f64(0)),
-            Some(kind) => (format!("{}_{}", array.name, label(kind)), derived(array, kind, &domain, precision).map_err(|error| file(&error))?),
+            Some(kind) => (format!("{}_{}", array.name, label(kind)), derived(array, kind, &full, precision).map_err(|error| file(&error))?),
         };
-        let values = domain.restrict(&on_points);
+        let values = full.restrict(&on_points);
         if let Some(vertex) = values.iter().position(|value| !value.is_finite()) {
-            let point = domain.point_of_vertex()[vertex];
+            let point = full.point_of_vertex()[vertex];
             let text = format!("array {name} is {} at point {point}; expected a finite number", values[vertex]);
             return Err(file(&text).hint("NaN marks a hole; an infinite value must be masked (--mask) or repaired"));
         }
-        let mut notes: Vec<String> = domain.notes.iter().map(ToString::to_string).collect();
-        let (domain, values) = match constant_parts(&domain, &values) {
+        let mut notes: Vec<String> = full.notes.iter().map(ToString::to_string).collect();
+        let (domain, values, kept) = match constant_parts(&full, &values) {
             Some((constant, found)) => {
                 notes.extend(found);
-                let domain = domain_without(&dataset, kept, &constant).map_err(|error| file(&error))?;
+                let kept = kept_without(dataset, kept, &constant);
+                let domain = self::domain(dataset, &kept).map_err(|error| file(&error))?;
                 let values = domain.restrict(&on_points);
-                (domain, values)
+                (Rc::new(domain), values, kept)
             }
-            None => (domain, values),
+            None => (full, values, kept),
         };
-        Ok(Self { path: args.input.clone(), dataset, name, mask: args.mask.clone(), domain, on_points, values, precision, notes })
+        Ok(Self {
+            path: args.input.clone(),
+            dataset: Rc::clone(dataset),
+            name,
+            is_derived: args.derive.is_some(),
+            mask: args.mask.clone(),
+            domain,
+            kept,
+            on_points,
+            values,
+            precision,
+            notes,
+        })
     }
 
     /// The vertex of a point of the file.
@@ -125,10 +174,47 @@ fn constant_parts(domain: &Domain, values: &[f64]) -> Option<(Vec<u32>, Vec<Stri
     Some((points, notes.collect()))
 }
 
-fn domain_without(dataset: &DataSet, mut kept: Mask, points: &[u32]) -> Result<Domain, DomainIoError> {
+fn kept_without(dataset: &DataSet, mut kept: Mask, points: &[u32]) -> Mask {
     let keep = kept.keep_points.get_or_insert_with(|| vec![true; dataset.point_count()]);
     points.iter().for_each(|&point| keep[point as usize] = false);
-    domain(dataset, &kept)
+    kept
+}
+
+/// The names asked for: `None` is the only array of the file. A name with commas is a list, unless an array has that name.
+fn array_names(dataset: &DataSet, args: &FieldsArgs, any: &FieldArgs) -> Result<Vec<Option<String>>, Failure> {
+    if let Some(pattern) = &args.array_pattern {
+        let fitting: Vec<_> =
+            candidates(dataset, any).filter(|array| fits(pattern, &array.name)).map(|array| Some(array.name.clone())).collect();
+        if fitting.is_empty() {
+            let names: Vec<&str> = candidates(dataset, any).map(|array| array.name.as_str()).collect();
+            let text = format!("found no array that fits the pattern '{pattern}'; expected one of: {}", names.join(", "));
+            return Err(Failure::file(&args.input, text));
+        }
+        return Ok(fitting);
+    }
+    let split = |name: &String| match dataset.point_array(name) {
+        None if name.contains(',') => name.split(',').map(|part| Some(part.trim().to_owned())).collect(),
+        _ => vec![Some(name.clone())],
+    };
+    Ok(if args.array.is_empty() { vec![None] } else { args.array.iter().flat_map(split).collect() })
+}
+
+/// Whether a name fits a pattern in which * stands for any characters and ? for one.
+fn fits(pattern: &str, name: &str) -> bool {
+    let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
+    // fits[i]: whether the first i characters of the name fit the pattern so far.
+    let mut fits = vec![false; name.len() + 1];
+    fits[0] = true;
+    for wanted in pattern {
+        let before = fits.clone();
+        for place in 0..fits.len() {
+            fits[place] = match wanted {
+                '*' => before[place] || place > 0 && fits[place - 1],
+                _ => place > 0 && before[place - 1] && (wanted == '?' || wanted == name[place - 1]),
+            };
+        }
+    }
+    fits[name.len()]
 }
 
 /// Numeric point arrays that could be meant.

@@ -3,16 +3,21 @@
 
 mod args;
 mod check;
+mod complex;
 mod extrema;
 mod failure;
 mod info;
 mod input;
 mod number;
 mod output;
+mod persistence;
 mod pictures;
 mod report;
+mod simplify;
 mod smooth;
 mod talk;
+mod wishes;
+mod written;
 
 use std::process::ExitCode;
 
@@ -53,7 +58,10 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Info(args) => args.talk.threads,
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
+        Command::Simplify(args) => args.talk.threads,
+        Command::Persistence(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
+        Command::Complex(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
         if threads == 0 {
@@ -68,6 +76,9 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Info(args) => info::run(args),
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),
+        Command::Simplify(args) => simplify::run(args),
+        Command::Persistence(args) => persistence::run(args),
         Command::Check(args) => check::run(args),
+        Command::Complex(args) => complex::run(args),
     }
 }

@@ -19,6 +19,16 @@ pub fn check_target(path: &Path) -> Result<(), Failure> {
     }
 }
 
+/// Refuses an output in the place of the input, and outputs and reports that cannot be written or would overwrite another file.
+pub fn check_output(input: &Path, output: &Path, report: Option<&Path>, others: &[&Path]) -> Result<(), Failure> {
+    if is_same_file(input, output) {
+        return Err(Failure::file(output, "the output is the input file; expected another name")
+            .hint("the input is never changed; write to another file and rename it yourself"));
+    }
+    check_target(output)?;
+    check_report(report, &[&[input, output], others].concat())
+}
+
 /// Refuses a report that cannot be written, or that would overwrite one of the other files of the run.
 pub fn check_report(report: Option<&Path>, others: &[&Path]) -> Result<(), Failure> {
     let Some(report) = report else { return Ok(()) };
@@ -41,7 +51,7 @@ pub fn check_directory(directory: Option<&Path>) -> Result<(), Failure> {
 }
 
 /// Whether two paths name the same file, which need not exist yet.
-fn is_same_place(a: &Path, b: &Path) -> bool {
+pub fn is_same_place(a: &Path, b: &Path) -> bool {
     is_same_file(a, b) || (a.file_name() == b.file_name() && is_same_file(&parent(a), &parent(b)))
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use morsmooth::audit::{AuditReport, Defects, ExtremumType};
 use morsmooth::field::VertexId;
 use morsmooth::monotone::{Precision, ValueRule};
-use morsmooth::morse::{ExtremumPair, reported_persistences};
+use morsmooth::morse::{ExtremumPair, WantedExtrema, reported_persistences};
 use morsmooth::plot::write_atomically;
 use morsmooth::qp::QpStatus;
 use morsmooth::smooth::{ExtremumCount, MeasuredField, SelectOn, Smoothed};
@@ -47,23 +47,31 @@ pub fn pairs(pairs: &[ExtremumPair], values: &[f64]) -> Vec<(f64, Option<f64>)> 
 }
 
 /// Wanted extrema as a user finds them in the file: point number, position, value, and whether that value had to be kept.
-fn extrema(input: &FieldInput, vertices: &[VertexId], result: &Smoothed) -> Vec<Value> {
-    vertices
-        .iter()
-        .map(|&vertex| {
-            let rule = result.rules[vertex.index()];
-            let mut entry = json!({
-                "point": input.domain.point_of_vertex()[vertex.index()],
-                "position": input.domain.complex.point(vertex),
-                "value": result.values[vertex.index()],
-                "value_kept": matches!(rule, ValueRule::Exactly(_)),
-            });
-            if let ValueRule::Within(low, high) = rule {
-                entry["within"] = json!([low, high]);
-            }
-            entry
-        })
-        .collect()
+pub fn wanted_json(input: &FieldInput, wanted: &WantedExtrema, values: &[f64], rules: &[ValueRule]) -> Value {
+    let extrema = |vertices: &[VertexId]| -> Vec<Value> {
+        vertices
+            .iter()
+            .map(|&vertex| {
+                let rule = rules[vertex.index()];
+                let mut entry = json!({
+                    "point": input.domain.point_of_vertex()[vertex.index()],
+                    "position": input.domain.complex.point(vertex),
+                    "value": values[vertex.index()],
+                    "value_kept": matches!(rule, ValueRule::Exactly(_)),
+                });
+                if let ValueRule::Within(low, high) = rule {
+                    entry["within"] = json!([low, high]);
+                }
+                entry
+            })
+            .collect()
+    };
+    json!({ "minima": extrema(&wanted.minima), "maxima": extrema(&wanted.maxima) })
+}
+
+/// The command as typed, word by word.
+pub fn command_line() -> Vec<String> {
+    std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect()
 }
 
 /// The verdict of the audit, vertices translated to points.
@@ -128,21 +136,15 @@ impl SmoothJob<'_> {
         let field = &self.result.selected_on;
         let mut report = header(self.input);
         if let Value::Object(entries) = &mut report {
-            let command: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
-            entries.insert("command".into(), json!(command));
+            entries.insert("command".into(), json!(command_line()));
             entries.insert("output".into(), json!(self.args.output.display().to_string()));
             entries.insert("output_array".into(), json!(self.output_array));
             entries.insert("raw".into(), json!(self.args.raw));
             entries.insert("written".into(), json!(self.written));
             entries.insert("audit".into(), audit_json(self.input, self.audit));
             entries.insert("smooth".into(), json!(self.result.report));
-            entries.insert(
-                "wanted".into(),
-                json!({
-                    "minima": extrema(self.input, &self.result.wanted.minima, self.result),
-                    "maxima": extrema(self.input, &self.result.wanted.maxima, self.result),
-                }),
-            );
+            let result = self.result;
+            entries.insert("wanted".into(), wanted_json(self.input, &result.wanted, &result.values, &result.rules));
             entries.insert("minima_pairs".into(), json!(pairs(&field.minima, &field.values)));
             entries.insert("maxima_pairs".into(), json!(pairs(&field.maxima, &field.values)));
             entries.insert(
@@ -212,6 +214,17 @@ impl SmoothJob<'_> {
                 percent(report.energy.above_unconstrained)
             ),
         ));
+        if let Some(kept) = &report.kept_also {
+            lines.push((
+                "kept besides",
+                format!(
+                    "values at {} saddles and {} points of separatrices, for {} of energy",
+                    kept.saddles,
+                    kept.separatrix_vertices,
+                    percent(kept.paid)
+                ),
+            ));
+        }
         let rounding = report.energy.rounds.last().map_or(0.0, |round| report.energy.result / round - 1.0);
         if rounding.is_finite() && rounding.abs() > 1e-3 {
             let cause = match report.precision {

@@ -1,19 +1,6 @@
 use morsmooth::linalg::{Cholesky, CsrMatrix, FactorError, Permutation, SymbolicCholesky, minimum_degree, nested_dissection};
 
-use super::grid;
-
-fn values_of(symbolic: &SymbolicCholesky, matrix: &CsrMatrix) -> Vec<f64> {
-    let mut values = vec![0.0; symbolic.entries()];
-    for row in 0..matrix.rows() {
-        let (columns, entries) = matrix.row(row);
-        for (&column, &entry) in columns.iter().zip(entries) {
-            if symbolic.is_stored(row, column as usize) {
-                values[symbolic.slot(row, column as usize).unwrap() as usize] = entry;
-            }
-        }
-    }
-    values
-}
+use super::{grid, values_of};
 
 #[test]
 fn solutions_satisfy_the_system_under_every_order() {

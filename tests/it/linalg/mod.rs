@@ -1,11 +1,13 @@
 //! Orderings, factorisations and products of sparse matrices.
 
 mod cholesky;
+mod factors;
+mod indefinite;
 mod ordering;
 mod product;
 mod small;
 
-use morsmooth::linalg::CsrMatrix;
+use morsmooth::linalg::{CsrMatrix, SymbolicCholesky};
 
 /// The graph Laplacian of a `side^dimension` grid plus the identity, and its places.
 pub fn grid(side: usize, dimension: usize) -> (CsrMatrix, Vec<[f64; 3]>) {
@@ -24,4 +26,23 @@ pub fn grid(side: usize, dimension: usize) -> (CsrMatrix, Vec<[f64; 3]>) {
         }
     }
     (CsrMatrix::from_triplets(n, n, &triplets).unwrap(), places)
+}
+
+/// The matrix times itself: the pattern of a biharmonic energy.
+pub fn squared(matrix: &CsrMatrix) -> CsrMatrix {
+    matrix.weighted_product(&vec![1.0; matrix.rows()], matrix)
+}
+
+/// The values of a symmetric matrix in the places of an analysed pattern.
+pub fn values_of(symbolic: &SymbolicCholesky, matrix: &CsrMatrix) -> Vec<f64> {
+    let mut values = vec![0.0; symbolic.entries()];
+    for row in 0..matrix.rows() {
+        let (columns, entries) = matrix.row(row);
+        for (&column, &entry) in columns.iter().zip(entries) {
+            if symbolic.is_stored(row, column as usize) {
+                values[symbolic.slot(row, column as usize).unwrap() as usize] = entry;
+            }
+        }
+    }
+    values
 }

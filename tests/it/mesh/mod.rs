@@ -3,6 +3,7 @@
 mod complexes;
 mod faults;
 mod grids;
+mod implicit;
 mod masks;
 mod polygons;
 mod real;

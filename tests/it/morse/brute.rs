@@ -66,6 +66,19 @@ pub fn minimum_pairs(complex: &SimplicialComplex, order: &VertexOrder) -> Vec<(V
     found.into_iter().map(|(rank, saddle)| (vertex(rank), saddle)).collect()
 }
 
+/// The whole diagram as (dimension, birth vertex, death vertex), sorted, without what is born and dies at one vertex.
+pub fn diagram(complex: &SimplicialComplex, order: &VertexOrder) -> Vec<(u8, VertexId, Option<VertexId>)> {
+    let cells = filtration(complex, order);
+    let vertex = |cell: usize| order.sequence()[cells[cell][0] as usize];
+    let dimension = |cell: usize| cells[cell].len() as u8 - 1;
+    let (pairs, unpaired) = reduce(&cells);
+    let finite = pairs.into_iter().map(|(low, high)| (dimension(low), vertex(low), Some(vertex(high))));
+    let essential = unpaired.into_iter().map(|cell| (dimension(cell), vertex(cell), None));
+    let mut found: Vec<_> = finite.chain(essential).filter(|&(_, birth, death)| death != Some(birth)).collect();
+    found.sort_unstable();
+    found
+}
+
 /// Betti numbers modulo 2.
 pub fn betti_numbers(complex: &SimplicialComplex) -> [usize; 4] {
     let order = VertexOrder::of_values(&vec![0.0; complex.vertex_count()]).unwrap();

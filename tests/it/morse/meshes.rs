@@ -146,3 +146,26 @@ pub fn random_field() -> impl Strategy<Value = (SimplicialComplex, Vec<f64>)> {
         })
     })
 }
+
+/// Random parts of small grids of simplices, some with glued sides: boundary, holes, cavities, pinched vertices and edges,
+/// several components; and a field with few or many ties.
+pub fn random_part() -> impl Strategy<Value = (SimplicialComplex, Vec<f64>)> {
+    let whole = prop_oneof![
+        Just(line(12)),
+        Just(grid(5, 6)),
+        Just(torus(4)),
+        Just(sphere(3)),
+        Just(cubes([3, 3, 3])),
+        Just(cubes([4, 4, 3])),
+        Just(three_torus(3)),
+    ];
+    (whole, 1u64..200, 1u64..40, 50usize..=100).prop_map(|(whole, seed, levels, kept)| {
+        let chosen = noise(whole.simplex_count(), seed, 100);
+        let is_kept = |simplex: &usize| *simplex == 0 || chosen[*simplex] * 100.0 <= kept as f64;
+        let simplices: Vec<u32> =
+            (0..whole.simplex_count()).filter(is_kept).flat_map(|simplex| whole.simplex(simplex).to_vec()).collect();
+        let vertices = whole.vertex_count();
+        let part = SimplicialComplex::new(whole.dimension(), vec![[0.0; 3]; vertices], simplices).unwrap();
+        (part, noise(vertices, seed + 1, levels))
+    })
+}

@@ -4,10 +4,13 @@ mod bad_fields;
 mod bad_files;
 mod bad_usage;
 mod command;
+mod complex;
 mod fields;
 mod kinds;
 mod options;
+mod persistence;
 mod queries;
+mod simplify;
 mod unusual;
 
 use std::collections::BTreeMap;

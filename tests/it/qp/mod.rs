@@ -5,11 +5,14 @@ mod blocks;
 mod contradictions;
 mod endings;
 mod invariance;
+mod mixed;
 mod optima;
+mod penalty;
 mod pinned;
 mod product;
 mod refusals;
 mod scenes;
+mod speed;
 
 #[path = "../../../tools/bench/peer.rs"]
 mod peer;

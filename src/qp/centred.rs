@@ -1,0 +1,74 @@
+//! A centred start from a point that violates rows: slacks and duals split from the violations by a measured stiffness.
+
+use super::QpError;
+use super::interior::Interior;
+use super::product::dot;
+
+/// Stiffness of a row, over the one that P sets against closing all violations together. Measured (order 2, 15,000 and 58,000 unknowns,
+/// with and without data): from 3 to 10 the iterations are the same within one.
+const STIFFNESS: f64 = 5.0;
+
+/// Slack and dual of a row on its boundary, over the mean violation, for violations that are closed one by one.
+const ROOM: f64 = 1.5;
+
+/// Power of the part of the stiffness of single rows that is met by all violations together, by which there is less room: where
+/// violations are collective, closing some closes their neighbours. Measured without data at 58,000 unknowns: 16 iterations,
+/// against 21 with the room of single violations.
+const COLLECTIVE: f64 = 0.2;
+
+/// Where no row is violated, the room over the mean slack.
+const SPARE: f64 = 1e-3;
+
+/// Splits `r = A x + b` into positive slacks and duals with one product `c δ²`:
+///
+/// ```text
+/// s - z/c = r,    s z = c δ²        so   s, z/c = (sqrt(r² + 4 δ²) ± r) / 2
+/// ```
+///
+/// A violated row starts with the force `c |r|` that its violation asks for, a fulfilled one with its slack, and no row off the
+/// centre. δ is near the typical violation; c follows from the stiffness `vᵀv / vᵀ(A P⁻¹ Aᵀ)v` that P sets against closing
+/// the violations v, which without data is a thousandth of what it sets against closing a single row.
+///
+/// # Arguments
+/// * `unit`: mean size of the slacks.
+///
+/// # Cost
+/// One solve, and one factorisation unless the factor of P is the last one made.
+///
+/// # Source
+/// The split smooths `min(s, z/c) = 0`: Kanzow 1996, *Some noninterior continuation methods for linear complementarity problems*.
+pub(super) fn split(interior: &mut Interior<'_>, unit: f64) -> Result<(), QpError> {
+    let Interior { engine, rows, problem, point, work, side, step, .. } = interior;
+    let mut violated = 0u32;
+    for (violation, r) in work.iter_mut().zip(&point.s) {
+        *violation = (-r).max(0.0);
+        violated += u32::from(*r < 0.0);
+    }
+    let single = match rows.compliance(|unknown| engine.diagonal_of(unknown)) {
+        compliance if compliance > 0.0 => rows.len() as f64 / compliance,
+        _ => engine.largest_diagonal(),
+    };
+    let (mut stiffness, mut room) = (single, SPARE * unit);
+    if violated > 0 {
+        side.fill(0.0);
+        rows.add_transposed(1.0, work, side);
+        engine.mask(side);
+        engine.factor_base()?;
+        let (taken, _) = engine.solve_refined(&problem.objective, None, side, &mut step.x, (0.1, 3));
+        interior.solves += taken;
+        let together = dot(work, work) / dot(side, &step.x);
+        if together.is_finite() && together > 0.0 {
+            stiffness = STIFFNESS * together.min(single);
+            let collective = (together / single).min(1.0).powf(COLLECTIVE);
+            room = ROOM * collective * work.iter().sum::<f64>() / f64::from(violated);
+        }
+    }
+    for (s, z) in point.s.iter_mut().zip(&mut point.z) {
+        let r = *s;
+        let larger = 0.5 * (r.abs() + r.hypot(2.0 * room));
+        // The smaller part as a quotient, so that it keeps its digits.
+        let smaller = room * (room / larger);
+        (*s, *z) = if r >= 0.0 { (larger, stiffness * smaller) } else { (smaller, stiffness * larger) };
+    }
+    Ok(())
+}
