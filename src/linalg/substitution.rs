@@ -41,7 +41,11 @@ struct Output<'a, T> {
     stack: Vec<T>,
 }
 
+/// A run of supernodes and its part of the vectors.
 type Part<'x, T> = (usize, usize, &'x mut [T]);
+
+/// An inner task and its part of the vectors.
+type InnerPart<'t, 'x, T> = (&'t Task, &'x mut [T]);
 
 impl<T: Value> Substitution<'_, T> {
     /// Overwrites `x` (permuted, `W` interleaved right-hand sides) with the solution.
@@ -52,7 +56,7 @@ impl<T: Value> Substitution<'_, T> {
     }
 
     /// The parts of `x` that belong to the task's own runs of supernodes and to its inner tasks.
-    fn parts<'t, 'x, const W: usize>(&self, task: &'t Task, x: &'x mut [T]) -> (Vec<Part<'x, T>>, Vec<(&'t Task, &'x mut [T])>) {
+    fn parts<'t, 'x, const W: usize>(&self, task: &'t Task, x: &'x mut [T]) -> (Vec<Part<'x, T>>, Vec<InnerPart<'t, 'x, T>>) {
         let length = |begin: usize, end: usize| (self.assembly.columns[end] - self.assembly.columns[begin]) as usize * W;
         let mut own = Vec::with_capacity(task.inner.len() + 1);
         let mut inner = Vec::with_capacity(task.inner.len());

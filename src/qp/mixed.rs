@@ -37,6 +37,9 @@ pub enum KktForm {
     Mixed,
 }
 
+/// Two unknowns of a vertex, by their places, and the sign of the block between them.
+type Block = (usize, usize, f64);
+
 /// How the unknowns lie that stand between the factors of a chain of the given order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
@@ -103,7 +106,7 @@ impl Layout {
                 }
             }
         };
-        let (blocks, masses): (&[(usize, usize, f64)], (usize, usize, f64)) = match order {
+        let (blocks, masses): (&[Block], Block) = match order {
             2 => (&[(1, 0, 1.0)], (0, 0, -1.0)),
             3 => (&[(2, 1, -1.0), (0, 0, 1.0)], (0, 1, 1.0)),
             _ => (&[(3, 2, -1.0), (1, 0, 1.0)], (1, 2, 1.0)),
@@ -111,7 +114,7 @@ impl Layout {
         for &(first, second, sign) in blocks {
             products(first, second, sign);
         }
-        let mut add_masses = |(first, second, sign): (usize, usize, f64)| {
+        let mut add_masses = |(first, second, sign): Block| {
             let values = weights.iter().enumerate();
             entries.extend(values.map(|(vertex, &weight)| (at(vertex, first), at(vertex, second), sign * unit * mass(weight) / mean)));
         };
