@@ -142,7 +142,6 @@ pub(super) fn certificate(engine: &Engine, problem: &Problem, x: &[f64], z: &[f6
         residual: largest(&image) / top,
         least_objective: None,
         relaxations: Vec::new(),
-        least_objective: None,
         ray: z.iter().map(|value| value / top).collect(),
     })
 }
