@@ -5,12 +5,17 @@ use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
 use super::dissection::Part;
+use super::pattern::work;
 use super::{CsrMatrix, FactorError, Permutation};
 
 /// Problems below this size gain nothing from dissection (measured: equal work at 15,000, half of it at 250,000).
 const SMALL: usize = 20_000;
 
-/// The order to use for a symmetric pattern: nested dissection for large patterns with coordinates, else minimum degree.
+/// Above this size dissection is taken unseen; below, folded surfaces may be better off with minimum degree, and both are tried.
+const LARGE: usize = 150_000;
+
+/// The order to use for a symmetric pattern: minimum degree for small patterns and where there are no coordinates, nested dissection for
+/// large ones, whichever needs less work in between.
 ///
 /// Neighbouring unknowns with equal rows (the components of a vector at a vertex) are ordered as one.
 ///
@@ -25,11 +30,18 @@ pub fn fill_reducing_order(pattern: &CsrMatrix, coordinates: Option<&[[f64; 3]]>
     check_count(pattern, coordinates)?;
     let groups = Groups::of(pattern);
     let (starts, indices) = groups.graph(pattern);
-    let order = match coordinates {
-        Some(places) if groups.count() >= SMALL => dissected(&starts, &indices, &groups.places(places))?,
-        _ => approximate_minimum_degree(groups.count(), &starts, &indices)?,
-    };
-    Ok(postordered(pattern, Permutation::from_parts(groups.expanded(&order))))
+    let whole = |order: Vec<u32>| postordered(pattern, Permutation::from_parts(groups.expanded(&order)));
+    let by_degree = || approximate_minimum_degree(groups.count(), &starts, &indices).map(whole);
+    match coordinates {
+        Some(places) if groups.count() >= LARGE => Ok(whole(dissected(&starts, &indices, &groups.places(places))?)),
+        Some(places) if groups.count() >= SMALL => {
+            let both = rayon::join(|| dissected(&starts, &indices, &groups.places(places)).map(whole), by_degree);
+            let (by_place, by_degree) = (both.0?, both.1?);
+            let (place, degree) = rayon::join(|| work(pattern, &by_place), || work(pattern, &by_degree));
+            Ok(if place <= degree { by_place } else { by_degree })
+        }
+        _ => by_degree(),
+    }
 }
 
 /// Runs of consecutive unknowns whose rows are the same.

@@ -139,6 +139,17 @@ impl SymbolicCholesky {
     }
 }
 
+/// Multiplications and additions of a factorisation under an order of elimination.
+pub(super) fn work(pattern: &CsrMatrix, order: &Permutation) -> f64 {
+    let n = pattern.rows();
+    let (_, upper) = triangles(pattern, order.order(), &order.inverse());
+    let matrix = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &upper.0, None, &upper.1);
+    let (mut tree, mut counts) = (vec![0i32; n], vec![0u32; n]);
+    let mut memory = MemBuffer::new(simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, upper.1.len()));
+    simplicial::prefactorize_symbolic_cholesky(&mut tree, &mut counts, matrix, MemStack::new(&mut memory));
+    counts.iter().map(|&count| f64::from(count) * f64::from(count)).sum()
+}
+
 type Triangle = (Vec<u32>, Vec<u32>);
 
 /// Lower and upper triangle of the permuted pattern by columns, rows rising, diagonal always present.

@@ -58,7 +58,12 @@ fn run(side: usize, order: usize, case: Case, form: KktForm) {
     }
     let pinned = engine.minimise(objective, &made.problem.fixed).unwrap();
     let clock = processor_seconds();
-    let solved = engine.solve(&made.problem, Some(&made.start), &Settings::default(), &mut |_| {});
+    let is_verbose = std::env::var("VERBOSE").is_ok();
+    let solved = engine.solve(&made.problem, Some(&made.start), &Settings::default(), &mut |p| {
+        if is_verbose {
+            println!("{:3} gap {:.1e} stationarity {:.1e} primal {:.1e} step {:.3}", p.iteration, p.gap, p.stationarity, p.primal, p.step);
+        }
+    });
     let seconds = processor_seconds() - clock;
     let head = format!(
         "| {} | {order} | {case:?} | {form:?} ({automatic}) | {:.2e} | {analysis:.2} | {floor:.3} | {:.1e}, {} |",
