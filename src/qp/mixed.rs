@@ -18,7 +18,7 @@ use super::{Objective, Term};
 
 /// The largest rounding error of the formed matrix, relative to what the objective weighs its flattest functions with, at which its factor
 /// is still used: refinement in product form contracts well below it, and not at all ten to a hundred times above.
-const FORMED: f64 = 1.0;
+const FORMED: f64 = 30.0;
 
 /// The largest eigenvalue of `W L` in units of the typical diagonal entry, about, on triangles and tetrahedra.
 const TOP: f64 = 2.0;
