@@ -4,6 +4,9 @@
 //! off-diagonal entries times the square root of two, so that the dot product of two is the trace of their product:
 //! (s11, √2 s21, s22) and (s11, √2 s21, s22, √2 s31, √2 s32, s33).
 
+// Entries (i, j) and (j, i) of one matrix are read and written together: indices are the formulas.
+#![allow(clippy::needless_range_loop)]
+
 use std::f64::consts::SQRT_2;
 
 /// A D x D matrix, row by row.
