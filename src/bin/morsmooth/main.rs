@@ -3,6 +3,7 @@
 
 mod args;
 mod check;
+mod convert;
 mod extrema;
 mod failure;
 mod info;
@@ -54,6 +55,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
+        Command::Convert(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
         if threads == 0 {
@@ -69,5 +71,6 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),
         Command::Check(args) => check::run(args),
+        Command::Convert(args) => convert::run(args),
     }
 }
