@@ -267,6 +267,29 @@ impl DataArray {
         self.data.len() / self.components.max(1)
     }
 
+    /// The tuples of the given numbers, in that order.
+    pub(super) fn gathered(self, tuples: &[usize]) -> Self {
+        fn pick<T: Clone>(values: &[T], tuples: &[usize], stride: usize) -> Vec<T> {
+            tuples.iter().flat_map(|&tuple| values[tuple * stride..(tuple + 1) * stride].iter().cloned()).collect()
+        }
+        let stride = self.components;
+        let data = match &self.data {
+            ArrayData::I8(values) => ArrayData::I8(pick(values, tuples, stride)),
+            ArrayData::U8(values) => ArrayData::U8(pick(values, tuples, stride)),
+            ArrayData::I16(values) => ArrayData::I16(pick(values, tuples, stride)),
+            ArrayData::U16(values) => ArrayData::U16(pick(values, tuples, stride)),
+            ArrayData::I32(values) => ArrayData::I32(pick(values, tuples, stride)),
+            ArrayData::U32(values) => ArrayData::U32(pick(values, tuples, stride)),
+            ArrayData::I64(values) => ArrayData::I64(pick(values, tuples, stride)),
+            ArrayData::U64(values) => ArrayData::U64(pick(values, tuples, stride)),
+            ArrayData::F32(values) => ArrayData::F32(pick(values, tuples, stride)),
+            ArrayData::F64(values) => ArrayData::F64(pick(values, tuples, stride)),
+            ArrayData::Bit(values) => ArrayData::Bit(pick(values, tuples, stride)),
+            ArrayData::String(values) => ArrayData::String(pick(values, tuples, stride)),
+        };
+        Self { data, ..self }
+    }
+
     /// One component of every tuple as `f64`; empty for texts or a component that does not exist.
     ///
     /// 64-bit integers are rounded to the nearest `f64`.

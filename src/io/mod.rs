@@ -1,4 +1,4 @@
-//! Files in and out: VTK XML and legacy VTK, with everything that they hold.
+//! Files in and out: VTK XML and legacy VTK, with everything that they hold, and the mesh files of other programs.
 //!
 //! [`read`] gives a [`DataSet`]: geometry and arrays in the types and the order of the file. [`write()`] and
 //! [`write_temporary`] put it back; what was not changed survives bit for bit.
@@ -10,10 +10,13 @@ mod dataset;
 mod diagram;
 mod domain;
 mod error;
+mod formats;
 mod legacy;
+mod lexer;
 mod pending;
 mod read;
 mod ttk;
+mod reshape;
 mod write;
 mod xml;
 
@@ -26,3 +29,5 @@ pub use pending::{PendingFile, is_same_file};
 pub use read::read;
 pub use ttk::{Numbering, TtkComplex, TtkError};
 pub use write::{Compression, write, write_temporary, write_temporary_with};
+pub use reshape::{GeometryKind, ReshapeError, reshape};
+pub use write::{Compression, losses, write, write_temporary, write_temporary_with};

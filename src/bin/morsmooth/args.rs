@@ -47,6 +47,8 @@ pub enum Command {
     /// Three files in the output directory, named after the input: ...CriticalPoints.vtp, ...1Separatrices.vtp, and
     /// ...Segmentation with the input and three more arrays. Without a threshold the complex is not simplified.
     Complex(crate::complex::ComplexArgs),
+    /// Write a data set in another format, with a warning for everything that the format cannot hold.
+    Convert(ConvertArgs),
 }
 
 /// Which field of which file, on which part of the domain.
@@ -295,6 +297,20 @@ pub struct CheckArgs {
     /// values that it kept. Its mask is used unless --mask names another.
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["minima", "maxima"])]
     pub against: Option<PathBuf>,
+
+    /// What is said, and threads.
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// `morsmooth convert`.
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// File to read: .vti .vtu .vtp .vtr .vts .vtk, or a mesh: .obj .off .ply .stl .mesh .msh.
+    pub input: PathBuf,
+
+    /// File to write; its extension, one of the same, chooses the format.
+    pub output: PathBuf,
 
     /// What is said, and threads.
     #[command(flatten)]

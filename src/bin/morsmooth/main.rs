@@ -5,6 +5,7 @@ mod args;
 mod check;
 mod complex;
 mod complex_report;
+mod convert;
 mod extrema;
 mod failure;
 mod info;
@@ -63,6 +64,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Persistence(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
+        Command::Convert(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
         if threads == 0 {
@@ -81,5 +83,6 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Persistence(args) => persistence::run(args),
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),
+        Command::Convert(args) => convert::run(args),
     }
 }
