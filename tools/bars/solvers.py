@@ -33,7 +33,7 @@ import scipy.io
 import scipy.sparse as sp
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-NAMES = ["grid-5041-data-k2", "series-5000-data-k3", "grid-7396-nodata-k3", "deform-quad-40", "deform-swirl-180",
+NAMES = ["grid-5041-data-k2", "series-1000-data-k3", "grid-7396-nodata-k3", "deform-quad-40", "deform-swirl-180",
          "grid-15129-data-k2", "grid-15129-nodata-k2", "deform-bar-170", "volume-13824-data-k2", "torus-20000-data-k2",
          "grid-58081-data-k2", "grid-58081-nodata-k4"]
 LARGE = ["grid-250000-data-k2", "grid-1000000-data-k2"]
