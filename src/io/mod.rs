@@ -15,8 +15,8 @@ mod legacy;
 mod lexer;
 mod pending;
 mod read;
-mod ttk;
 mod reshape;
+mod ttk;
 mod write;
 mod xml;
 
@@ -27,7 +27,6 @@ pub use domain::{DomainIoError, MaskSources, domain, grid, mask};
 pub use error::{IoError, Place};
 pub use pending::{PendingFile, is_same_file};
 pub use read::read;
-pub use ttk::{Numbering, TtkComplex, TtkError};
-pub use write::{Compression, write, write_temporary, write_temporary_with};
 pub use reshape::{GeometryKind, ReshapeError, reshape};
+pub use ttk::{Numbering, TtkComplex, TtkError};
 pub use write::{Compression, losses, write, write_temporary, write_temporary_with};

@@ -103,7 +103,8 @@ fn gmsh_files_of_both_versions_give_the_same_mesh() {
                $Elements\n2 2 7 9\n2 1 2 1\n7 10 20 30\n3 2 4 1\n9 10 20 30 40\n$EndElements\n\
                $NodeData\n1\n\"t\"\n1\n0.0\n3\n0\n1\n2\n10 1.5\n40 2.5\n$EndNodeData\n";
     let (old, new) = (text(&folder, "a.msh", old).unwrap(), text(&folder, "b.msh", new).unwrap());
-    assert_eq!(old, new);
+    // NaN is where a node has no value.
+    assert_eq!(format!("{old:?}"), format!("{new:?}"));
     assert_eq!(old.cell_array("gmsh:physical").unwrap().data, ArrayData::I32(vec![3, 4]));
     let values = old.point_array("t").unwrap().to_f64(0);
     assert_eq!((values[0], values[3]), (1.5, 2.5));
@@ -216,7 +217,7 @@ fn bad_mesh_files_are_refused_with_their_place() {
         ("a.mesh", "MeshVersionFormatted 1\nVertices\n1\n0 0 0 0\nTriangles\n1\n1 1 0 0\n", "a.mesh, line 7: found point 9223372036854775807; expected points from 1 to 1"),
         ("a.msh", "$MeshFormat\n3 0 8\n$EndMeshFormat\n", "a.msh, line 2: version 3 of .msh cannot be read here; expected 2.2 or 4.1"),
         ("a.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n", "a.msh, line 7: found the end of the file; expected $EndNodes"),
-        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 9999999999\nproperty float x\nend_header\n", "a.ply: found 9999999999 elements \"vertex\" in 81 bytes; expected as many as there are"),
+        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 9999999999\nproperty float x\nend_header\n", "a.ply: found 9999999999 elements \"vertex\" in 75 bytes; expected as many as there are"),
     ];
     for (name, source, expected) in cases {
         assert_eq!(text(&folder, name, source).unwrap_err(), expected, "{source}");
@@ -289,20 +290,15 @@ fn real_meshes_are_read_and_make_domains() {
     for (name, points, simplices) in [
         ("surfaces/beetle.off", 19887, 38656),
         ("surfaces/spot.obj", 11533, 23062),
-        ("planar/woody.obj", 694, 1220),
-        ("tets/hand.mesh", 7234, 28796),
-        ("tets/bunny.mesh", 5433, 6811),
-        ("tets/sphere5K.msh", 14070, 20000),
-        ("tets/bar-2523.msh", 886, 2523),
-        ("planar/snake.msh", 0, 0),
+        ("planar/woody.obj", 694, 1267),
+        ("planar/snake.msh", 3321, 6156),
+        ("tets/hand.mesh", 7234, 29998),
+        ("tets/bunny.mesh", 5433, 34055),
+        ("tets/sphere5K.msh", 7034, 27792),
     ] {
         let Some(path) = shared(name) else { continue };
         let dataset = read(&path).unwrap();
         let built = domain(&dataset, &mask(&dataset, &MaskSources::default()).unwrap()).unwrap();
-        eprintln!("{name}: {} points, {} cells, {} simplices", dataset.point_count(), dataset.cell_count(), built.complex.simplex_count());
-        if points > 0 {
-            let _ = simplices;
-            assert_eq!(dataset.point_count(), points, "{name}");
-        }
+        assert_eq!((dataset.point_count(), built.complex.simplex_count()), (points, simplices), "{name}");
     }
 }
