@@ -100,3 +100,50 @@ proptest! {
         prop_assert!(residual(&matrix, &solve(&matrix, &symbolic, &sides, 8), &sides) < 1e-11);
     }
 }
+
+#[test]
+fn pivots_within_one_supernode_keep_all_digits() {
+    // Full matrices without a diagonal to lean on: one supernode, so that every pivot may be sought everywhere.
+    for n in [3usize, 8, 30, 120] {
+        let mut triplets = Vec::new();
+        for i in 0..n {
+            for j in 0..n {
+                let (low, high) = (i.min(j) as f64, i.max(j) as f64);
+                let value = if i == j && i % 3 != 0 { 0.0 } else { (low * 12.9898 + high * 78.233).sin() * 10f64.powi((i + j) as i32 % 4) };
+                triplets.push((i as u32, j as u32, value));
+            }
+        }
+        let matrix = CsrMatrix::from_triplets(n, n, &triplets).unwrap();
+        let symbolic = SymbolicCholesky::new(&matrix, minimum_degree(&matrix).unwrap()).unwrap();
+        let sides: Vec<f64> = (0..2 * n).map(|i| (i as f64 * 0.61).sin()).collect();
+        let found = residual(&matrix, &solve(&matrix, &symbolic, &sides, 2), &sides);
+        assert!(found < 1e-9, "{n}: {found:e}");
+    }
+}
+
+#[test]
+fn nothing_of_the_last_matrix_is_left_in_the_next_factor() {
+    // The first needs pivots of two everywhere, the second none.
+    let matrix = |diagonal: f64| {
+        let mut triplets = Vec::new();
+        for i in 0..40u32 {
+            triplets.push((i, i, diagonal));
+            for j in [i + 1, i + 2] {
+                if j < 40 {
+                    triplets.extend([(i, j, 1.0 + f64::from(i)), (j, i, 1.0 + f64::from(i))]);
+                }
+            }
+        }
+        CsrMatrix::from_triplets(40, 40, &triplets).unwrap()
+    };
+    let symbolic = SymbolicCholesky::new(&matrix(1.0), minimum_degree(&matrix(1.0)).unwrap()).unwrap();
+    let mut factor = Lblt::new(&symbolic, 1);
+    let sides: Vec<f64> = (0..40).map(|i| (i as f64 * 0.61).sin()).collect();
+    for diagonal in [0.0, 1e3, 0.0, -1e3] {
+        let matrix = matrix(diagonal);
+        factor.factor(&symbolic, &values_of(&symbolic, &matrix)).unwrap();
+        let mut x = sides.clone();
+        factor.solve_in_place(&symbolic, &mut x);
+        assert!(residual(&matrix, &x, &sides) < 1e-9);
+    }
+}
