@@ -1,9 +1,10 @@
 //! The rows `svec(sym(RᵀF) - eps I)` of every element.
 
 use super::rest::{CHUNK, RestShape};
+use super::state::symmetric_part;
 use crate::linalg::CsrMatrix;
 use rayon::prelude::*;
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 /// Row and column of each entry of the scaled lower triangle; the first three are those of a 2 x 2 matrix.
 const TRIANGLE: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)];
@@ -30,10 +31,10 @@ pub(super) fn matrix(rest: &RestShape, rotations: &[[[f64; 3]; 3]]) -> CsrMatrix
         for (row, &(a, b)) in TRIANGLE[..rows].iter().enumerate() {
             let scale = if a == b { 0.5 } else { FRAC_1_SQRT_2 };
             for (corner, (&vertex, gradient)) in rest.corners(element).iter().zip(rest.gradients(element)).enumerate() {
-                for axis in 0..dimension {
+                for (axis, turned) in rotation.iter().enumerate().take(dimension) {
                     let place = row * width + corner * dimension + axis;
                     indices[place] = vertex * dimension as u32 + axis as u32;
-                    values[place] = scale * (rotation[axis][a] * gradient[b] + rotation[axis][b] * gradient[a]);
+                    values[place] = scale * (turned[a] * gradient[b] + turned[b] * gradient[a]);
                 }
             }
         }
@@ -42,8 +43,17 @@ pub(super) fn matrix(rest: &RestShape, rotations: &[[[f64; 3]; 3]]) -> CsrMatrix
     CsrMatrix::from_parts(elements * rows, rest.vertex_count() * dimension, offsets, indices, values)
 }
 
-/// The offsets `svec(-eps I)`.
-pub(super) fn offset(dimension: usize, margins: &[f64]) -> Vec<f64> {
-    let entry = |margin: f64, (a, b): (usize, usize)| if a == b { -margin } else { 0.0 };
-    margins.iter().flat_map(|&margin| TRIANGLE[..block(dimension)].iter().map(move |&place| entry(margin, place))).collect()
+/// The offsets of the rows over displacements from a reference: `svec(sym(RᵀF) - eps I)` at the reference.
+pub(super) fn offset(rest: &RestShape, rotations: &[[[f64; 3]; 3]], margins: &[f64], reference: &[f64]) -> Vec<f64> {
+    let dimension = rest.dimension();
+    let rows = block(dimension);
+    let mut offset = vec![0.0; rest.element_count() * rows];
+    let each = offset.par_chunks_mut(rows).with_min_len(CHUNK).enumerate();
+    each.for_each(|(element, slots)| {
+        let triangle = symmetric_part(dimension, &rotations[element], &rest.deformation_gradient(element, reference));
+        for ((slot, entry), (a, b)) in slots.iter_mut().zip(triangle).zip(TRIANGLE) {
+            *slot = if a == b { entry - margins[element] } else { SQRT_2 * entry };
+        }
+    });
+    offset
 }

@@ -51,9 +51,9 @@ impl Default for DeformOptions {
 /// let deformer = Deformer::new(&square, &[0.into(), 2.into()], DeformOptions::default())?;
 /// let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// let problem = deformer.problem(&[identity; 2], &[points[0], points[2]])?;
-/// let rest = deformer.rest().positions();
-/// assert!(problem.objective.value(&rest).abs() < 1e-10);
-/// assert_eq!(deformer.rest().determinants(&rest)?, [1.0, 1.0]);
+/// assert_eq!(problem.objective.value(&[0.0; 8]), 0.0);
+/// let positions = deformer.positions(&[points[0], points[2]], &[0.0; 8])?;
+/// assert_eq!(deformer.rest().determinants(&positions)?, [1.0, 1.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -122,6 +122,23 @@ impl Deformer {
         (0..self.rest.element_count()).map(|element| self.options.margin * self.rest.rounding(element, extent)).collect()
     }
 
+    /// The positions from which the problem counts displacements: targets at handles, rest positions elsewhere.
+    ///
+    /// Counted from here, soft handles have no linear term and no constant. Those of positions themselves are alpha, 1e4, times larger than the
+    /// energy, and their cancellation would hide it.
+    ///
+    /// # Arguments
+    /// * `targets`: a place for each handle.
+    ///
+    /// # Errors
+    /// [`DeformError::Length`], [`DeformError::Number`].
+    pub fn reference(&self, targets: &[[f64; 3]]) -> Result<Vec<f64>, DeformError> {
+        self.check_targets(targets)?;
+        let mut reference = self.rest.positions();
+        self.held(targets).for_each(|(place, target)| reference[place] = target);
+        Ok(reference)
+    }
+
     /// The convex problem for given rotations and targets.
     ///
     /// # Arguments
@@ -129,8 +146,8 @@ impl Deformer {
     /// * `targets`: a place for each handle; in 2-D the third coordinate is not read.
     ///
     /// # Returns
-    /// A problem whose unknowns are the positions `x[vertex * dim + axis]`, with one semidefinite block an element, in the order of
-    /// the elements.
+    /// A problem whose unknowns are displacements from [`Deformer::reference`], `x[vertex * dim + axis]`, with one semidefinite block an
+    /// element, in the order of the elements. Its objective is the energy, constant included.
     ///
     /// # Errors
     /// [`DeformError::Length`], [`DeformError::Number`], [`DeformError::NotARotation`].
@@ -139,44 +156,49 @@ impl Deformer {
     /// O(m), the rows in parallel.
     pub fn problem(&self, rotations: &[[[f64; 3]; 3]], targets: &[[f64; 3]]) -> Result<Problem, DeformError> {
         self.rest.check_rotations(rotations)?;
-        self.check_targets(targets)?;
+        let reference = self.reference(targets)?;
         let (dimension, unknowns) = (self.rest.dimension(), self.stiffness.rows());
-        let size = dimension as f64;
-        let volume: f64 = self.rest.measures().iter().sum();
-        let mut linear = vec![0.0; unknowns];
-        self.rest.add_pull(-1.0, rotations, &mut linear);
-        let mut constant = 0.5 * size * volume;
-        // Differences keep the digits that a formed matrix loses far from the origin.
+        let nu = self.options.incompressibility;
+        let linear = self.rest.forces(nu, rotations, &reference);
+        let constant = self.energy(rotations, targets, &reference)?.total();
+        // Differences keep the digits that a formed matrix loses.
         let elastic = Term::Chain { scale: 1.0, stiffness: self.stiffness.clone(), weights: vec![1.0; unknowns], order: 1 };
         let mut terms = vec![elastic];
-        let nu = self.options.incompressibility;
         if nu > 0.0 {
             let traces = self.rest.traces(rotations);
             let weights: Vec<f64> = self.rest.measures().iter().map(|measure| nu * measure).collect();
             terms.push(Term::Matrix(traces.transpose().weighted_product(&weights, &traces)));
-            self.rest.add_pull(-nu * size, rotations, &mut linear);
-            constant += 0.5 * nu * size * size * volume;
         }
         let mut fixed = vec![None; unknowns];
         match self.options.hold {
             Hold::Soft { alpha } => {
                 let mut diagonal = vec![0.0; unknowns];
-                for (place, target) in self.held(targets) {
-                    diagonal[place] += 2.0 * alpha;
-                    linear[place] -= 2.0 * alpha * target;
-                    constant += alpha * target * target;
-                }
+                self.held(targets).for_each(|(place, _)| diagonal[place] = 2.0 * alpha);
                 terms.push(Term::Diagonal(diagonal));
             }
-            Hold::Hard => self.held(targets).for_each(|(place, target)| fixed[place] = Some(target)),
+            Hold::Hard => self.held(targets).for_each(|(place, _)| fixed[place] = Some(0.0)),
         }
         let elements = self.rest.element_count();
         let constraints = Constraints {
             matrix: cones::matrix(&self.rest, rotations),
-            offset: cones::offset(dimension, &self.margins(targets)),
+            offset: cones::offset(&self.rest, rotations, &self.margins(targets), &reference),
             cones: vec![if dimension == 2 { Cone::Psd2(elements) } else { Cone::Psd3(elements) }],
         };
         Ok(Problem { objective: Objective { terms, linear, constant }, fixed, constraints })
+    }
+
+    /// Positions from displacements.
+    ///
+    /// # Arguments
+    /// * `targets`: those of the problem; `displacements`: its unknowns, `n x dim`.
+    ///
+    /// # Errors
+    /// [`DeformError::Length`], [`DeformError::Number`].
+    pub fn positions(&self, targets: &[[f64; 3]], displacements: &[f64]) -> Result<Vec<f64>, DeformError> {
+        self.rest.check_positions(displacements)?;
+        let mut positions = self.reference(targets)?;
+        positions.iter_mut().zip(displacements).for_each(|(slot, displacement)| *slot += displacement);
+        Ok(positions)
     }
 
     /// The energy of given positions, summed from squares, so that nothing cancels.

@@ -28,16 +28,8 @@ impl RestShape {
         let dimension = self.dimension();
         let elements = (0..self.element_count()).into_par_iter().with_min_len(CHUNK);
         let strain = |element: usize| {
-            let (gradient, rotation) = (self.deformation_gradient(element, positions), &rotations[element]);
-            let (mut square, mut trace) = (0.0, 0.0);
-            for axis in 0..dimension {
-                for column in 0..dimension {
-                    let off = gradient[axis][column] - rotation[axis][column];
-                    square += off * off;
-                    // trace(RᵀF) - dim = <R, F - R>, without the cancellation.
-                    trace += rotation[axis][column] * off;
-                }
-            }
+            let (off, trace) = self.stretch(element, &rotations[element], positions);
+            let square: f64 = off[..dimension].iter().flat_map(|row| &row[..dimension]).map(|part| part * part).sum();
             [square, trace * trace]
         };
         elements.map(strain).collect()
@@ -87,17 +79,37 @@ impl RestShape {
         CsrMatrix::from_parts(rotations.len(), self.vertex_count() * dimension, offsets, indices, values)
     }
 
-    /// `q += sum_i factor v_i R_i grad phi_v` at every vertex and axis: the derivative of `sum_i factor v_i <R_i, F_i>`.
-    pub(super) fn add_pull(&self, factor: f64, rotations: &[[[f64; 3]; 3]], linear: &mut [f64]) {
+    /// The derivative of elastic and volume energy by the positions: `sum_i v_i (F_i - R_i + nu (trace(R_iᵀ F_i) - dim) R_i) grad phi_v`.
+    pub(super) fn forces(&self, nu: f64, rotations: &[[[f64; 3]; 3]], positions: &[f64]) -> Vec<f64> {
         let dimension = self.dimension();
+        let mut forces = vec![0.0; positions.len()];
         for (element, rotation) in rotations.iter().enumerate() {
-            let weight = factor * self.measures()[element];
+            let (mut stress, off) = self.stretch(element, rotation, positions);
+            for (row, turned) in stress.iter_mut().zip(rotation) {
+                row.iter_mut().zip(turned).for_each(|(slot, part)| *slot += nu * off * part);
+            }
             for (&vertex, gradient) in self.corners(element).iter().zip(self.gradients(element)) {
-                for (axis, row) in rotation.iter().enumerate().take(dimension) {
-                    linear[vertex as usize * dimension + axis] += weight * turned(row, gradient);
+                for (axis, row) in stress.iter().enumerate().take(dimension) {
+                    forces[vertex as usize * dimension + axis] += self.measures()[element] * turned(row, gradient);
                 }
             }
         }
+        forces
+    }
+
+    /// `F - R` and `trace(RᵀF) - dim` of an element.
+    fn stretch(&self, element: usize, rotation: &[[f64; 3]; 3], positions: &[f64]) -> ([[f64; 3]; 3], f64) {
+        let dimension = self.dimension();
+        let mut off = self.deformation_gradient(element, positions);
+        let mut trace = 0.0;
+        for axis in 0..dimension {
+            for column in 0..dimension {
+                off[axis][column] -= rotation[axis][column];
+                // trace(RᵀF) - dim = <R, F - R>, without the cancellation.
+                trace += rotation[axis][column] * off[axis][column];
+            }
+        }
+        (off, trace)
     }
 }
 

@@ -12,7 +12,7 @@
 //! assembles a [`qp::Problem`](crate::qp::Problem) for given rotations and targets. [`RestShape::deformation_gradients`]
 //! and its neighbours judge positions, whoever made them.
 //!
-//! Unknowns are positions, vertex by vertex: `x[vertex * dim + axis]`. A row of cones is the scaled lower triangle of a symmetric
+//! Unknowns are displacements from [`Deformer::reference`], vertex by vertex: `x[vertex * dim + axis]`. A row of cones is the scaled lower triangle of a symmetric
 //! matrix, row by row, `(s11, √2 s21, s22, √2 s31, √2 s32, s33)`.
 //!
 //! # Source

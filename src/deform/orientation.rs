@@ -70,7 +70,7 @@ fn facet(complex: &SimplicialComplex, element: usize, omitted: usize) -> Facet {
         *slot = vertex;
     }
     // Every exchange of a sort turns the orientation; so does every other omitted corner, and a negative measure.
-    let mut positive = omitted % 2 == 0;
+    let mut positive = omitted.is_multiple_of(2);
     for (a, b) in [(0, 1), (1, 2), (0, 1)] {
         if vertices[a] > vertices[b] {
             vertices.swap(a, b);

@@ -2,6 +2,12 @@
 //!
 //! Literature: Edelsbrunner, Mücke 1990, *Simulation of simplicity*.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rayon::prelude::*;
+
+use super::sort::sorted_vertices;
+
 /// A vertex of a mesh: its place in every per-vertex array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct VertexId(pub u32);
@@ -56,12 +62,15 @@ pub enum FieldError {
     },
 }
 
+/// Vertices handled by one parallel task, at least. Any number gives the same result.
+const CHUNK: usize = 1 << 16;
+
 /// Refuses a field with a value that is NaN or infinite, naming the first such vertex.
 ///
 /// # Errors
 /// [`FieldError::NonFinite`].
 pub fn check_finite(values: &[f64]) -> Result<(), FieldError> {
-    match values.iter().position(|value| !value.is_finite()) {
+    match values.par_iter().with_min_len(CHUNK).position_first(|value| !value.is_finite()) {
         Some(vertex) => Err(FieldError::NonFinite { vertex: vertex.into(), value: values[vertex] }),
         None => Ok(()),
     }
@@ -89,7 +98,8 @@ impl VertexOrder {
     /// [`FieldError::NonFinite`] if a value is NaN or infinite.
     ///
     /// # Cost
-    /// O(n log n) time, 8 bytes a vertex.
+    /// O(n) time, and O(t log t) for t values that agree in the leading 32 bits of their distance from the least; in
+    /// parallel. 8 bytes a vertex, 16 while it runs.
     ///
     /// # Example
     /// ```
@@ -100,15 +110,8 @@ impl VertexOrder {
     /// # Ok::<(), morsmooth::field::FieldError>(())
     /// ```
     pub fn of_values(values: &[f64]) -> Result<Self, FieldError> {
-        use rayon::slice::ParallelSliceMut;
         check_finite(values)?;
-        let mut sequence: Vec<VertexId> = (0..values.len()).map(VertexId::from).collect();
-        // The key is unique, so an unstable parallel sort has one possible result.
-        sequence.par_sort_unstable_by(|&a, &b| {
-            let (value_a, value_b) = (values[a.index()] + 0.0, values[b.index()] + 0.0);
-            value_a.total_cmp(&value_b).then(a.cmp(&b))
-        });
-        Ok(Self::of_permutation(sequence))
+        Ok(Self::of_permutation(sorted_vertices(values)))
     }
 
     /// The order that lists the vertices as given, lowest first.
@@ -128,11 +131,13 @@ impl VertexOrder {
     }
 
     fn of_permutation(sequence: Vec<VertexId>) -> Self {
-        let mut rank = vec![0; sequence.len()];
-        for (position, vertex) in sequence.iter().enumerate() {
-            rank[vertex.index()] = position as u32;
-        }
-        Self { rank, sequence }
+        // Relaxed is enough: every rank is written once, and read only after all tasks have joined.
+        let vertices = (0..sequence.len()).into_par_iter().with_min_len(CHUNK);
+        let rank: Vec<AtomicU32> = vertices.map(|_| AtomicU32::new(0)).collect();
+        sequence.par_iter().with_min_len(CHUNK).enumerate().for_each(|(position, vertex)| {
+            rank[vertex.index()].store(position as u32, Ordering::Relaxed);
+        });
+        Self { rank: rank.into_iter().map(AtomicU32::into_inner).collect(), sequence }
     }
 
     /// Number of vertices.
@@ -169,8 +174,8 @@ impl VertexOrder {
     pub fn reversed(&self) -> Self {
         let last = self.len().wrapping_sub(1) as u32;
         Self {
-            rank: self.rank.iter().map(|&rank| last.wrapping_sub(rank)).collect(),
-            sequence: self.sequence.iter().rev().copied().collect(),
+            rank: self.rank.par_iter().with_min_len(CHUNK).map(|&rank| last.wrapping_sub(rank)).collect(),
+            sequence: self.sequence.par_iter().with_min_len(CHUNK).rev().copied().collect(),
         }
     }
 }

@@ -52,6 +52,27 @@ macro_rules! with_values {
 pub(super) use with_values;
 
 impl ArrayData {
+    /// Numbers in the type asked for; what the type cannot hold becomes the nearest that it can, bits and texts double precision.
+    pub(super) fn of_numbers(value_type: ValueType, numbers: &[f64]) -> Self {
+        macro_rules! cast {
+            ($kind:ident, $number:ty) => {
+                Self::$kind(numbers.iter().map(|&number| number as $number).collect())
+            };
+        }
+        match value_type {
+            ValueType::I8 => cast!(I8, i8),
+            ValueType::U8 => cast!(U8, u8),
+            ValueType::I16 => cast!(I16, i16),
+            ValueType::U16 => cast!(U16, u16),
+            ValueType::I32 => cast!(I32, i32),
+            ValueType::U32 => cast!(U32, u32),
+            ValueType::I64 => cast!(I64, i64),
+            ValueType::U64 => cast!(U64, u64),
+            ValueType::F32 => cast!(F32, f32),
+            ValueType::F64 | ValueType::Bit | ValueType::String => Self::F64(numbers.to_vec()),
+        }
+    }
+
     /// Number of values (not of tuples).
     pub fn len(&self) -> usize {
         with_values!(self, values => values.len())
@@ -244,6 +265,29 @@ impl DataArray {
     /// Number of tuples.
     pub fn tuples(&self) -> usize {
         self.data.len() / self.components.max(1)
+    }
+
+    /// The tuples of the given numbers, in that order.
+    pub(super) fn gathered(self, tuples: &[usize]) -> Self {
+        fn pick<T: Clone>(values: &[T], tuples: &[usize], stride: usize) -> Vec<T> {
+            tuples.iter().flat_map(|&tuple| values[tuple * stride..(tuple + 1) * stride].iter().cloned()).collect()
+        }
+        let stride = self.components;
+        let data = match &self.data {
+            ArrayData::I8(values) => ArrayData::I8(pick(values, tuples, stride)),
+            ArrayData::U8(values) => ArrayData::U8(pick(values, tuples, stride)),
+            ArrayData::I16(values) => ArrayData::I16(pick(values, tuples, stride)),
+            ArrayData::U16(values) => ArrayData::U16(pick(values, tuples, stride)),
+            ArrayData::I32(values) => ArrayData::I32(pick(values, tuples, stride)),
+            ArrayData::U32(values) => ArrayData::U32(pick(values, tuples, stride)),
+            ArrayData::I64(values) => ArrayData::I64(pick(values, tuples, stride)),
+            ArrayData::U64(values) => ArrayData::U64(pick(values, tuples, stride)),
+            ArrayData::F32(values) => ArrayData::F32(pick(values, tuples, stride)),
+            ArrayData::F64(values) => ArrayData::F64(pick(values, tuples, stride)),
+            ArrayData::Bit(values) => ArrayData::Bit(pick(values, tuples, stride)),
+            ArrayData::String(values) => ArrayData::String(pick(values, tuples, stride)),
+        };
+        Self { data, ..self }
     }
 
     /// One component of every tuple as `f64`; empty for texts or a component that does not exist.

@@ -1,4 +1,4 @@
-//! Files in and out: VTK XML and legacy VTK, with everything that they hold.
+//! Files in and out: VTK XML and legacy VTK, with everything that they hold, and the mesh files of other programs.
 //!
 //! [`read`] gives a [`DataSet`]: geometry and arrays in the types and the order of the file. [`write()`] and
 //! [`write_temporary`] put it back; what was not changed survives bit for bit.
@@ -7,20 +7,26 @@ mod array;
 mod bytes;
 mod cells;
 mod dataset;
+mod diagram;
 mod domain;
 mod error;
+mod formats;
 mod legacy;
+mod lexer;
 mod pending;
 mod read;
+mod reshape;
 mod ttk;
 mod write;
 mod xml;
 
 pub use array::{ArrayData, DataArray, InformationKey, InformationValue, ValueType};
 pub use dataset::{Attributes, CellArray, DataSet, Extent, Geometry, IndexWidth, Polyhedra, Role};
-pub use domain::{DomainIoError, MaskSources, domain, mask};
+pub use diagram::{DiagramField, DiagramLayout, diagram_dataset};
+pub use domain::{DomainIoError, MaskSources, domain, grid, mask};
 pub use error::{IoError, Place};
 pub use pending::{PendingFile, is_same_file};
 pub use read::read;
+pub use reshape::{GeometryKind, ReshapeError, reshape};
 pub use ttk::{Numbering, TtkComplex, TtkError};
-pub use write::{Compression, write, write_temporary, write_temporary_with};
+pub use write::{Compression, losses, write, write_temporary, write_temporary_with};

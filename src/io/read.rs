@@ -6,11 +6,15 @@ use std::path::Path;
 
 use super::dataset::DataSet;
 use super::error::{Fault, IoError, Place};
+use super::formats::MeshFormat;
 use super::{legacy, xml};
 
-/// Reads a data set from a VTK XML file (`.vti .vtr .vts .vtp .vtu`) or a legacy `.vtk` file.
+/// Reads a data set from a VTK XML file (`.vti .vtr .vts .vtp .vtu`), a legacy `.vtk` file, or a mesh file
+/// (`.obj .off .ply .stl .mesh .msh`).
 ///
-/// The content decides, not the extension. Several pieces in one file become one data set.
+/// The content tells VTK's files, whatever they are called; mesh files are told by their extension. Several pieces in one
+/// file become one data set. Surfaces become poly data, Medit and Gmsh meshes unstructured grids; points keep their
+/// numbers (but for `.stl`, which has none).
 ///
 /// # Errors
 /// [`IoError::Read`] if there is no such file, [`IoError::Unsupported`] for other formats, [`IoError::Malformed`] with
@@ -41,7 +45,8 @@ pub fn read(path: impl AsRef<Path>) -> Result<DataSet, IoError> {
         step = bytes.len() as u64;
     }
     (&file).read_to_end(&mut bytes).map_err(failed)?;
-    read_bytes(&bytes).map_err(|fault| fault.in_file(path))
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    read_bytes(&bytes, MeshFormat::of_extension(extension)).map_err(|fault| fault.in_file(path))
 }
 
 /// Larger files are read array by array where their format allows.
@@ -53,8 +58,8 @@ fn is_xml(bytes: &[u8]) -> bool {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<")
 }
 
-fn read_bytes(bytes: &[u8]) -> Result<DataSet, Fault> {
-    const KNOWN: &str = "a serial VTK XML file or a legacy .vtk file";
+fn read_bytes(bytes: &[u8], format: Option<MeshFormat>) -> Result<DataSet, Fault> {
+    const KNOWN: &str = "a serial VTK XML file, a legacy .vtk file, or a mesh (.obj .off .ply .stl .mesh .msh)";
     if bytes.starts_with(b"# vtk DataFile") {
         return legacy::read(bytes);
     }
@@ -70,6 +75,9 @@ fn read_bytes(bytes: &[u8]) -> Result<DataSet, Fault> {
     }
     if bytes.starts_with(b"\x1f\x8b") {
         return fault("a gzip file");
+    }
+    if let Some(format) = format {
+        return format.read(bytes);
     }
     fault("a file of unknown format")
 }

@@ -51,7 +51,8 @@ pub struct TtkComplex<'a, T> {
 /// From vertices and simplices to the points and cells of the file.
 #[derive(Debug, Clone)]
 pub struct Numbering<'a> {
-    point_of_vertex: &'a [u32],
+    /// `None` where every vertex has the number of its point.
+    point_of_vertex: Option<&'a [u32]>,
     /// Empty where cells of the file were cut.
     cell_of_top: Vec<u32>,
     points: usize,
@@ -69,20 +70,29 @@ impl<'a> Numbering<'a> {
     /// # Cost
     /// Linear.
     pub fn new(domain: &'a Domain) -> Result<Self, TtkError> {
-        let points = domain.point_count();
-        if i32::try_from(points).is_err() {
-            return Err(TtkError::TooManyPoints { found: points });
-        }
+        let points = checked(domain.point_count())?;
         let mut cells = domain.cell_of_simplex().to_vec();
         cells.sort_unstable();
         let is_cut = cells.windows(2).any(|pair| pair[0] == pair[1]) || cells.last().is_some_and(|&last| last > i32::MAX as u32);
         let cell_of_top = if is_cut { Vec::new() } else { cells_of_tops(domain) };
-        Ok(Self { point_of_vertex: domain.point_of_vertex(), cell_of_top, points })
+        Ok(Self { point_of_vertex: Some(domain.point_of_vertex()), cell_of_top, points })
+    }
+
+    /// The numbering of a whole grid: vertices are points.
+    ///
+    /// # Errors
+    /// [`TtkError::TooManyPoints`].
+    pub fn of_points(count: usize) -> Result<Self, TtkError> {
+        Ok(Self { point_of_vertex: None, cell_of_top: Vec::new(), points: checked(count)? })
     }
 
     fn point(&self, vertex: VertexId) -> i32 {
-        self.point_of_vertex[vertex.index()] as i32
+        self.point_of_vertex.map_or(vertex.0, |points| points[vertex.index()]) as i32
     }
+}
+
+fn checked(points: usize) -> Result<usize, TtkError> {
+    if i32::try_from(points).is_ok() { Ok(points) } else { Err(TtkError::TooManyPoints { found: points }) }
 }
 
 fn cells_of_tops(domain: &Domain) -> Vec<u32> {
@@ -203,8 +213,8 @@ impl<T: Triangulation> TtkComplex<'_, T> {
         let complex = self.complex;
         let on_points = |name: &str, label: &dyn Fn(VertexId) -> Option<u32>| {
             let mut labels = vec![-1; self.numbering.points];
-            for (vertex, &point) in self.numbering.point_of_vertex.iter().enumerate() {
-                labels[point as usize] = label(VertexId::from(vertex)).map_or(-1, |label| label as i32);
+            for vertex in (0..complex.minima.vertex_count()).map(VertexId::from) {
+                labels[self.numbering.point(vertex) as usize] = label(vertex).map_or(-1, |label| label as i32);
             }
             DataArray::new(name, 1, ArrayData::I32(labels))
         };

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::array::{ArrayData, DataArray};
 use super::dataset::{Attributes, CellArray, DataSet, Geometry, IndexWidth, Polyhedra};
 use super::error::{IoError, quoted};
+use super::formats::MeshFormat;
 use super::pending::PendingFile;
 use super::{legacy, xml};
 
@@ -21,7 +22,8 @@ pub enum Compression {
 /// Writes a data set beside `path`, to be put in its place by [`PendingFile::commit`].
 ///
 /// The extension chooses the format: `.vti .vtr .vts .vtp .vtu` write XML with appended raw data and 64-bit headers,
-/// readable by VTK 6 and later; `.vtk` writes binary legacy, version 4.2, or 5.1 where 4.2 cannot count so far.
+/// readable by VTK 6 and later; `.vtk` writes binary legacy, version 4.2, or 5.1 where 4.2 cannot count so far. The mesh formats
+/// `.obj .off .ply .stl .mesh .msh` hold poly data and unstructured grids, without what [`losses`] names.
 ///
 /// # Errors
 /// [`IoError::Unwritable`] if the extension does not fit the data set, the data set contradicts itself, or the format
@@ -43,6 +45,11 @@ pub fn write_temporary_with(
     let unwritable = |(found, expected): (String, String)| IoError::Unwritable { path: path.to_owned(), found, expected };
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_ascii_lowercase();
     let own = dataset.geometry.extension();
+    if let Some(format) = MeshFormat::of_extension(&extension) {
+        check(dataset).map_err(unwritable)?;
+        format.losses(dataset).map_err(unwritable)?;
+        return PendingFile::create(path, |file| format.write(dataset, file));
+    }
     if extension != own && extension != "vtk" {
         let found = format!("a name ending in {} for {}", quoted(&extension), dataset.geometry.name());
         return Err(unwritable((found, format!(".{own} or .vtk"))));
@@ -62,6 +69,18 @@ pub fn write_temporary_with(
 /// As [`write_temporary`] and [`PendingFile::commit`].
 pub fn write(path: impl AsRef<Path>, dataset: &DataSet) -> Result<(), IoError> {
     write_temporary(path, dataset)?.commit()
+}
+
+/// What of a data set the format of a file name cannot hold, in words; empty for the formats of VTK.
+///
+/// # Errors
+/// [`IoError::Unwritable`] if the format has no room for the cells.
+pub fn losses(path: impl AsRef<Path>, dataset: &DataSet) -> Result<Vec<String>, IoError> {
+    let path = path.as_ref();
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let Some(format) = MeshFormat::of_extension(extension) else { return Ok(Vec::new()) };
+    let unwritable = |(found, expected)| IoError::Unwritable { path: path.to_owned(), found, expected };
+    format.losses(dataset).map_err(unwritable)
 }
 
 /// What was found and what was expected.

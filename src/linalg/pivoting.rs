@@ -45,7 +45,7 @@ pub(super) fn eliminate_with_pivots<T: Value>(
     stack: &mut MemStack,
 ) -> Result<(), usize> {
     let (mut top, bottom) = MatMut::from_column_major_slice_mut(columns, height, width).split_at_row_mut(width);
-    // Only those of pivots of two are written.
+    // Only pivots of two write theirs.
     pivots.couplings.fill(T::of(0.0));
     let couplings = ColMut::from_slice_mut(&mut *pivots.couplings).as_diagonal_mut();
     cholesky_in_place(top.rb_mut(), couplings, pivots.order, pivots.inverse, Par::Seq, stack, Default::default());

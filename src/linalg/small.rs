@@ -4,6 +4,9 @@
 //! off-diagonal entries times the square root of two, so that the dot product of two is the trace of their product:
 //! (s11, √2 s21, s22) and (s11, √2 s21, s22, √2 s31, √2 s32, s33).
 
+// Entries (i, j) and (j, i) of one matrix are read and written together: indices are the formulas.
+#![allow(clippy::needless_range_loop)]
+
 use std::f64::consts::SQRT_2;
 
 /// A D x D matrix, row by row.
@@ -104,7 +107,8 @@ pub fn determinant<const D: usize>(a: &Square<D>) -> f64 {
     }
 }
 
-/// The inverse, D at most 3; `None` if the determinant is zero or not finite.
+/// The inverse by cofactors, D at most 3; `None` if the determinant is zero or not finite. Good for well conditioned matrices: it loses twice
+/// as many digits as the condition number has.
 #[inline]
 pub fn inverse<const D: usize>(a: &Square<D>) -> Option<Square<D>> {
     let determinant = determinant(a);
@@ -180,8 +184,8 @@ pub fn symmetric_eigen<const D: usize>(a: &Square<D>) -> ([f64; D], Square<D>) {
                 off += a[i][j] * a[i][j];
             }
         }
-        // Half an ulp of a diagonal entry cannot be seen any more; NaN ends the loop too.
-        if !(off > 1e-36 * (size + off)) {
+        // Far below half an ulp of the largest entry; NaN ends the loop too.
+        if off.is_nan() || off <= 1e-36 * (size + off) {
             break;
         }
         for p in 0..D {
@@ -313,7 +317,7 @@ pub fn singular_values<const D: usize>(g: &Square<D>) -> SmallSvd<D> {
                 let dot = |a: &[f64; D], b: &[f64; D]| (0..D).map(|k| a[k] * b[k]).sum::<f64>();
                 let (a, b, off) =
                     (dot(&columns[p], &columns[p]), dot(&columns[q], &columns[q]), dot(&columns[p], &columns[q]));
-                if off == 0.0 || !(off * off > 1e-31 * a * b) {
+                if off == 0.0 || off.is_nan() || off * off <= 1e-31 * a * b {
                     continue;
                 }
                 rotated = true;

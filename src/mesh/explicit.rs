@@ -123,6 +123,18 @@ impl Triangulation for SimplicialComplex {
         self.neighbours(vertex).iter().copied()
     }
 
+    fn link_edges(&self, vertex: VertexId) -> impl Iterator<Item = [VertexId; 2]> {
+        let stride = self.dimension() + 1;
+        self.star(vertex).iter().flat_map(move |&top| {
+            let corners = self.simplex(top as usize);
+            let places = (0..stride).filter(move |&place| corners[place] != vertex.0);
+            places.flat_map(move |place| {
+                let later = corners[place + 1..].iter().filter(move |&&other| other != vertex.0);
+                later.map(move |&other| [VertexId(corners[place]), VertexId(other)])
+            })
+        })
+    }
+
     fn is_on_boundary(&self, cell: Cell) -> bool {
         let corners = self.cell_vertices(cell);
         let stride = self.dimension() + 1;

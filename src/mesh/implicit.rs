@@ -159,6 +159,17 @@ impl Triangulation for ImplicitGrid {
         before.chain(after).map(VertexId)
     }
 
+    fn link_edges(&self, vertex: VertexId) -> impl Iterator<Item = [VertexId; 2]> {
+        self.star_cells(vertex).filter(|cell| cell.dimension == 2).map(move |triangle| {
+            match *self.lattice.corners(triangle) {
+                [a, b, c] if a == vertex => [b, c],
+                [a, b, c] if b == vertex => [a, c],
+                [a, b, ..] => [a, b],
+                _ => [vertex; 2],
+            }
+        })
+    }
+
     fn is_on_boundary(&self, cell: Cell) -> bool {
         let (anchor, kind) = self.lattice.anchor(cell);
         let rims = self.lattice.rims(anchor);

@@ -111,9 +111,8 @@ impl FreudenthalLattice {
     pub fn rims(&self, vertex: VertexId) -> u8 {
         let coordinates = self.coordinates(vertex);
         let mut rims = 0;
-        for axis in 0..self.dimension {
-            rims |= u8::from(coordinates[axis] == 0) << axis;
-            rims |= u8::from(coordinates[axis] + 1 == self.sizes[axis]) << (3 + axis);
+        for (axis, (&place, &size)) in coordinates.iter().zip(&self.sizes).enumerate().take(self.dimension) {
+            rims |= u8::from(place == 0) << axis | u8::from(place + 1 == size) << (3 + axis);
         }
         rims
     }

@@ -9,6 +9,15 @@ use std::sync::LazyLock;
 /// Steps S1 to Sk from the anchor, padded with 0.
 pub(super) type Chain = [u8; 3];
 
+/// By dimension: the chains in the order of cell numbers.
+type Chains = [Vec<Chain>; 4];
+
+/// Most types of cells of one dimension.
+const KINDS: usize = 12;
+
+/// Cells beside another one, by all chains, its dimension and its own chain.
+type Beside<'a> = &'a dyn Fn(&Chains, usize, Chain) -> Vec<Place>;
+
 /// A cell beside another one, or at a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Place {
@@ -24,15 +33,38 @@ pub(super) struct Place {
     pub not_at: u8,
 }
 
-/// Cells and incidences of one dimension of lattice.
+/// A few places, in an array rather than a list: what looks up millions of cells waits for one address only.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Places {
+    count: u8,
+    list: [Place; 14],
+}
+
+impl Places {
+    fn new(places: &[Place]) -> Self {
+        let mut list = [Place { dimension: 0, kind: 0, back: 0, forward: 0, not_at: 0 }; 14];
+        list[..places.len()].copy_from_slice(places);
+        Self { count: places.len() as u8, list }
+    }
+}
+
+impl std::ops::Deref for Places {
+    type Target = [Place];
+
+    fn deref(&self) -> &[Place] {
+        &self.list[..self.count as usize]
+    }
+}
+
+/// Cells and incidences of one dimension of lattice, by dimension and type of the cell.
 #[derive(Debug)]
 pub(super) struct Stencil {
-    /// By dimension: the chains in the order of cell numbers.
-    pub chains: [Vec<Chain>; 4],
-    /// By dimension and type: the facets, without the last vertex first.
-    pub facets: [Vec<Vec<Place>>; 4],
-    /// By dimension and type: the cofacets, lowest number first.
-    pub cofacets: [Vec<Vec<Place>>; 4],
+    /// The types.
+    pub chains: [[Chain; KINDS]; 4],
+    /// The facets, without the last vertex first.
+    pub facets: [[Places; KINDS]; 4],
+    /// The cofacets, lowest number first.
+    pub cofacets: [[Places; KINDS]; 4],
     /// All cells with a point, by dimension, lowest number first.
     pub star: Vec<Place>,
 }
@@ -46,19 +78,29 @@ pub(super) fn stencil(dimension: usize) -> &'static Stencil {
 impl Stencil {
     fn new(dimension: usize) -> Self {
         let chains = chains(dimension);
-        let of_all = |list: &dyn Fn(&[Vec<Chain>; 4], usize, Chain) -> Vec<Place>| {
-            let of_dimension = |k: usize| chains[k].iter().map(|&chain| list(&chains, k, chain)).collect();
-            [0, 1, 2, 3].map(of_dimension)
+        let of_all = |list: Beside| {
+            [0, 1, 2, 3].map(|k: usize| {
+                let mut of_kinds = [Places::new(&[]); KINDS];
+                for (places, &chain) in of_kinds.iter_mut().zip(&chains[k]) {
+                    *places = Places::new(&list(&chains, k, chain));
+                }
+                of_kinds
+            })
         };
         let facets = of_all(&facets);
         let cofacets = of_all(&|chains, k, chain| cofacets(chains, k, chain, (1 << dimension) - 1));
         let star = star(&chains);
-        Self { chains, facets, cofacets, star }
+        let padded = |list: &Vec<Chain>| {
+            let mut chains = [[0; 3]; KINDS];
+            chains[..list.len()].copy_from_slice(list);
+            chains
+        };
+        Self { chains: [0, 1, 2, 3].map(|k: usize| padded(&chains[k])), facets, cofacets, star }
     }
 }
 
 /// Chains in lexicographic order; those of tetrahedra as [`Grid`](super::Grid) lists the tetrahedra of a cube.
-fn chains(dimension: usize) -> [Vec<Chain>; 4] {
+fn chains(dimension: usize) -> Chains {
     let steps = 1u8..1 << dimension;
     let mut chains = [vec![[0; 3]], Vec::new(), Vec::new(), Vec::new()];
     for a in steps.clone() {
@@ -73,11 +115,11 @@ fn chains(dimension: usize) -> [Vec<Chain>; 4] {
     chains
 }
 
-fn kind(chains: &[Vec<Chain>; 4], dimension: usize, chain: Chain) -> u8 {
+fn kind(chains: &Chains, dimension: usize, chain: Chain) -> u8 {
     chains[dimension].iter().position(|&other| other == chain).unwrap_or_default() as u8
 }
 
-fn facets(chains: &[Vec<Chain>; 4], k: usize, chain: Chain) -> Vec<Place> {
+fn facets(chains: &Chains, k: usize, chain: Chain) -> Vec<Place> {
     if k == 0 {
         return Vec::new();
     }
@@ -94,7 +136,7 @@ fn facets(chains: &[Vec<Chain>; 4], k: usize, chain: Chain) -> Vec<Place> {
     (0..=k).rev().map(facet).collect()
 }
 
-fn cofacets(chains: &[Vec<Chain>; 4], k: usize, chain: Chain, all: u8) -> Vec<Place> {
+fn cofacets(chains: &Chains, k: usize, chain: Chain, all: u8) -> Vec<Place> {
     if k == 3 || chains[k + 1].is_empty() {
         return Vec::new();
     }
@@ -117,7 +159,7 @@ fn cofacets(chains: &[Vec<Chain>; 4], k: usize, chain: Chain, all: u8) -> Vec<Pl
     places
 }
 
-fn star(chains: &[Vec<Chain>; 4]) -> Vec<Place> {
+fn star(chains: &Chains) -> Vec<Place> {
     let mut star = Vec::new();
     for (k, chains) in chains.iter().enumerate() {
         let mut cells = Vec::new();

@@ -129,6 +129,9 @@ pub trait Triangulation: Sync {
     /// The vertices that share an edge with a vertex, by rising index.
     fn neighbours(&self, vertex: VertexId) -> impl Iterator<Item = VertexId>;
 
+    /// The edges of the link of a vertex, each at least once: pairs of neighbours that form a triangle with it.
+    fn link_edges(&self, vertex: VertexId) -> impl Iterator<Item = [VertexId; 2]>;
+
     /// Whether a cell is a face of a cell of dimension d-1 that lies in exactly one top cell; never true of a top cell.
     fn is_on_boundary(&self, cell: Cell) -> bool;
 

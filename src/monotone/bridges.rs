@@ -1,9 +1,13 @@
-//! Bridges and cuts: the few vertices that must be raised or lowered, so that cutting hills and filling pits moves no pass.
+//! Bridges and cuts: the few vertices that must be raised or lowered, so that cutting hills and filling pits moves few passes.
 //!
 //! A hill that is cut down to its pass may carry the pass of a wanted minimum: the rim of a crater is such a hill. Cut, it
 //! would let the crater run over early. The other way to remove its summit keeps it: a bridge at the level of that pass,
 //! along the reversed V-paths that lead from there to a wanted maximum, raised where it dips below. It dips by less than the
 //! greatest persistence removed. Pits are drained along cuts likewise.
+//!
+//! Not every pass can stay. Where two hills on the boundary of the domain guard a pass between them, and the ridge from one of
+//! them to a third carries another pass, the ridge needs a summit of its own unless a bridge dams the first pass. Bridges of
+//! several passes may cross as well. What is left is counted by the caller.
 //!
 //! Literature: Forman 1998, theorem 11.1, cancellation by reversal; Bauer, Lange, Wardetzky 2012, *Optimal topological
 //! simplification of discrete functions on surfaces*.
@@ -14,8 +18,8 @@ use crate::morse::{ExtremumGraph, ExtremumKind, ExtremumPair, MorseError, Wanted
 
 use super::flood::{Flooded, flood_field};
 
-/// Rounds of bridges; two are usual, since a bridge may dam what another one let pass.
-const MOST_ROUNDS: usize = 6;
+/// Rounds of bridges: one may dam what another one let pass.
+const MOST_ROUNDS: usize = 4;
 
 /// A flooded field, with the passes at which wanted extrema die where they were wherever that was possible.
 #[derive(Debug, Clone)]
@@ -50,9 +54,11 @@ pub(super) fn flood_with_bridges(
         return Ok(best);
     }
     let mut works = Works::new(complex, values, order, wanted)?;
+    let mut fewest = moved.len();
+    let mut level_now = best.field.clone();
     for _ in 0..MOST_ROUNDS {
         for &pass in &moved {
-            works.secure(pass, values[pass.index()], best.field[pass.index()]);
+            works.secure(pass, values[pass.index()], level_now[pass.index()]);
         }
         let Ok(order) = VertexOrder::of_values(&works.field) else { break };
         let (flooded, field) = flood_field(complex, &works.field, &order, wanted);
@@ -61,11 +67,11 @@ pub(super) fn flood_with_bridges(
         if !next.flooded.valid || !wanted.minima.iter().chain(&wanted.maxima).all(is_kept) {
             break;
         }
-        let left = deaths.moved(complex, &next);
-        if left.len() >= moved.len() {
-            break;
+        moved = deaths.moved(complex, &next);
+        level_now.clone_from(&next.field);
+        if moved.len() < fewest {
+            (best, fewest) = (next, moved.len());
         }
-        (best, moved) = (next, left);
         if moved.is_empty() {
             break;
         }

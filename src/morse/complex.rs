@@ -7,10 +7,9 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef;
 use rayon::prelude::*;
 
-use crate::mesh::SimplicialComplex;
+use crate::mesh::{Cell, Triangulation};
 
-use crate::mesh::Cell;
-use super::gradient::{DiscreteGradient};
+use super::gradient::DiscreteGradient;
 use super::v_paths::{Separatrix, separatrices_below};
 
 /// The Morse complex of a discrete gradient: a graph of critical cells and the separatrices between them.
@@ -36,7 +35,7 @@ impl MorseComplex {
     ///
     /// # Source
     /// Forman 1998, section 8; Robins, Wood, Sheppard 2011, algorithm *ExtractMorseComplex*.
-    pub fn new(complex: &SimplicialComplex, gradient: &DiscreteGradient) -> Self {
+    pub fn new<T: Triangulation>(complex: &T, gradient: &DiscreteGradient) -> Self {
         let critical: Vec<Cell> = (0..=gradient.dimension()).flat_map(|dim| gradient.critical_cells(dim)).collect();
         let below: Vec<Vec<(Cell, Separatrix)>> =
             critical.par_iter().map(|&cell| separatrices_below(complex, gradient, cell)).collect();

@@ -25,6 +25,14 @@ impl PersistenceGap {
     pub fn ratio(&self) -> f64 {
         self.to / self.from
     }
+
+    /// The number of fewest digits in the stretch, looked for about its middle on a logarithmic axis (half of `to`, where
+    /// it begins at 0): a threshold that a person can remember.
+    pub fn round_threshold(&self) -> f64 {
+        let middle = if self.from > 0.0 { self.from * (self.to / self.from).sqrt() } else { 0.5 * self.to };
+        let rounded = (0..17).filter_map(|digits| format!("{middle:.digits$e}").parse().ok());
+        rounded.into_iter().find(|threshold| (self.from..self.to).contains(threshold)).unwrap_or(self.from)
+    }
 }
 
 /// Number of minima and maxima that exceed a threshold, as a step function of it.
@@ -84,16 +92,40 @@ impl PersistenceCurve {
     /// The stretch above the greatest finite persistence is left out: any threshold there leaves the essential
     /// extrema only.
     pub fn widest_gaps(&self, count: usize) -> Vec<PersistenceGap> {
-        let mut gaps: Vec<PersistenceGap> = (1..self.thresholds.len())
-            .map(|next| PersistenceGap {
-                from: self.thresholds[next - 1],
-                to: self.thresholds[next],
-                minima: self.minima[next - 1],
-                maxima: self.maxima[next - 1],
-            })
-            .collect();
+        let mut gaps: Vec<PersistenceGap> = self.gaps().collect();
         gaps.sort_by(|a, b| b.width().total_cmp(&a.width()));
         gaps.truncate(count);
         gaps
+    }
+
+    /// The stretches of thresholds that a user may choose by their width, on a logarithmic axis: each is as good as its ends are
+    /// apart by a factor.
+    ///
+    /// Noise and features differ by a factor in persistence, not by an amount; on a logarithmic axis a flat stretch says by which,
+    /// and a threshold in it may be wrong by that factor without any effect. Differences instead favour the few largest
+    /// persistences, which are far apart in any field.
+    ///
+    /// # Arguments
+    /// * `count`: how many, widest first; of equal widths the lower one first.
+    /// * `least`: stretches that begin below it are left out, in the units of the field: near 0 every factor is large.
+    ///
+    /// Left out as well is what is no wider than the narrowest stretch: in data with integer values, their step.
+    pub fn widest_ratios(&self, count: usize, least: f64) -> Vec<PersistenceGap> {
+        let step = self.gaps().map(|gap| gap.width()).fold(f64::INFINITY, f64::min);
+        let is_wide = |gap: &PersistenceGap| gap.from >= least && gap.from > 0.0 && gap.width() > 1.5 * step;
+        let mut gaps: Vec<PersistenceGap> = self.gaps().filter(is_wide).collect();
+        gaps.sort_by(|a, b| b.ratio().total_cmp(&a.ratio()));
+        gaps.truncate(count);
+        gaps
+    }
+
+    /// All stretches but the one above the greatest finite persistence, by rising threshold.
+    fn gaps(&self) -> impl Iterator<Item = PersistenceGap> {
+        (1..self.thresholds.len()).map(|next| PersistenceGap {
+            from: self.thresholds[next - 1],
+            to: self.thresholds[next],
+            minima: self.minima[next - 1],
+            maxima: self.maxima[next - 1],
+        })
     }
 }

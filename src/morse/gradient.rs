@@ -10,7 +10,9 @@ use crate::mesh::{Cell, EdgeId, Triangulation};
 use super::error::MorseError;
 use super::lattice_gradient::lattice_places;
 use super::lower_star::LowerStar;
+use super::mask_star::MaskStar;
 use super::partners::{CRITICAL, DOWN, OUTSIDE, Partners};
+use super::small_star::SmallStar;
 
 /// What a discrete gradient does with a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,17 +94,26 @@ fn partner_numbers<T: Triangulation>(complex: &T, order: &VertexOrder) -> Result
     let write = |cell: Cell, value: u32| {
         partners[cell.dimension as usize][cell.index as usize].store(value, Ordering::Relaxed);
     };
-    (0..counts[0]).into_par_iter().with_min_len(256).for_each_init(LowerStar::default, |star, vertex| {
+    let paired = |lower: Cell, upper: Cell| {
+        write(lower, upper.index);
+        write(upper, lower.index | DOWN);
+    };
+    let work_space = || (SmallStar::new(&paired), MaskStar::default(), LowerStar::default());
+    (0..counts[0]).into_par_iter().with_min_len(256).for_each_init(work_space, |(small, masks, large), vertex| {
         let vertex = VertexId::from(vertex);
         if complex.neighbours(vertex).next().is_none() {
             write(Cell::vertex(vertex), OUTSIDE);
             return;
         }
-        star.collect(complex, order, vertex, triangles.at(vertex), tetrahedra.at(vertex));
-        star.pair(vertex, |lower, upper| {
-            write(lower, upper.index);
-            write(upper, lower.index | DOWN);
-        });
+        let owned = [triangles.at(vertex), tetrahedra.at(vertex)];
+        match small.turn_to(complex, order, vertex, owned) {
+            Some(0) => {}
+            Some(count) => masks.pair(count, small),
+            None => {
+                large.collect(complex, order, vertex, owned);
+                large.pair(vertex, paired);
+            }
+        }
     });
     Ok(partners.map(|cells| cells.into_iter().map(AtomicU32::into_inner).collect()))
 }

@@ -1,43 +1,37 @@
 //! The hierarchy of cancellations: one computation, the simplified gradient at every threshold.
 
-use std::collections::BTreeMap;
-
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::{Cell, SimplicialComplex};
+use crate::mesh::{Cell, Triangulation};
 
-use super::ascent::{self, BRANCHING, OUTSIDE, Summit};
+use super::ascent::{self, Summit};
 use super::basins::{BasinHierarchy, BasinMerge};
+use super::cancellations::{CellCancellation, of_saddles, with_maxima, with_minima};
+use super::connector::unique_path;
 use super::error::MorseError;
-use super::forest::Forest;
 use super::gradient::{DiscreteGradient, Pairing, discrete_gradient};
 use super::pairs::ExtremumKind;
 use super::segmentation::Segmentation;
 use super::selection::WantedExtrema;
-use super::star::{cofacets, key};
+use super::star::cofacets;
+use super::v_paths::path_down;
 
-/// Two critical cells of adjacent dimension that cancel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CellCancellation {
-    /// The critical cell of lower dimension: a minimum, or the saddle below a maximum.
-    pub lower: Cell,
-    /// The critical cell of higher dimension: the saddle above a minimum, or a maximum.
-    pub upper: Cell,
-    /// Highest vertex of the extremum of the two.
-    pub extremum: VertexId,
-    /// Difference of the values at the highest vertices, in the units of the field.
-    pub persistence: f64,
-    /// Lowest threshold at which the two are cancelled, in the units of the field; `INFINITY` for never. It exceeds
-    /// `persistence` for a maximum that rises out of the domain long before it meets a higher one: see
-    /// [`MorseHierarchy`].
-    pub level: f64,
+/// What becomes of pairs of a 1-saddle and a 2-saddle in dimension 3.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SaddlePairs {
+    /// They stay: only extrema cancel. The separatrices of extrema and the segmentation need no more.
+    #[default]
+    Keep,
+    /// They cancel in their turn where exactly one V-path connects them then; the others stay.
+    Cancel,
 }
 
 /// The discrete gradient of a field with the list of its cancellations, simplified to any threshold, up and down.
 ///
 /// *What cancels.* Minima with the edges at which they die and, from dimension 2 on, maxima (critical top cells) with the
 /// facets at which they die, both by the elder rule in the lower-star filtration, and each by reversing the one V-path
-/// between the two. In dimension 3, 1-saddles and 2-saddles are left as they are: their V-paths are mostly many. Across
-/// facets of three or more top cells nothing is cancelled.
+/// between the two. Across facets of three or more top cells nothing is cancelled. In dimension 3, 1-saddles and 2-saddles
+/// that are paired in the diagram cancel if that is [asked for](SaddlePairs) and if exactly one V-path connects them when it
+/// is their turn; many a pair has more and stays.
 ///
 /// *In which order.* By rising persistence, so that every threshold is a prefix of one list and moving between two
 /// thresholds costs only the V-paths in between. For a domain with boundary two persistences of a maximum differ: in
@@ -50,26 +44,44 @@ pub struct CellCancellation {
 /// ```
 /// use morsmooth::field::VertexOrder;
 /// use morsmooth::mesh::SimplicialComplex;
-/// use morsmooth::morse::MorseHierarchy;
+/// use morsmooth::morse::{MorseHierarchy, SaddlePairs};
 /// let line = SimplicialComplex::new(1, vec![[0.0; 3]; 5], vec![0, 1, 1, 2, 2, 3, 3, 4])?;
 /// let values = [0.0, 3.0, 1.0, 2.0, 1.5];
-/// let mut hierarchy = MorseHierarchy::new(&line, &values, &VertexOrder::of_values(&values)?)?;
+/// let order = VertexOrder::of_values(&values)?;
+/// let mut hierarchy = MorseHierarchy::new(&line, &values, &order, SaddlePairs::Keep)?;
 /// assert_eq!(hierarchy.gradient().critical_counts(), [3, 2, 0, 0]);
 /// assert_eq!(hierarchy.at(1.0).critical_counts(), [2, 1, 0, 0]);
 /// assert_eq!(hierarchy.at(0.1).critical_counts(), [3, 2, 0, 0]); // and back
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct MorseHierarchy<'a> {
-    complex: &'a SimplicialComplex,
+pub struct MorseHierarchy<'a, T> {
+    complex: &'a T,
     order: &'a VertexOrder,
     gradient: DiscreteGradient,
     minima: BasinHierarchy,
     maxima: BasinHierarchy,
     cancellations: Vec<CellCancellation>,
-    /// Places of the cancellations done, in that order.
-    done: Vec<usize>,
+    /// What was tried, in that order.
+    done: Vec<Trial>,
     choice: Choice,
+}
+
+/// A cancellation that was tried.
+#[derive(Debug, Clone)]
+struct Trial {
+    place: usize,
+    outcome: Outcome,
+}
+
+#[derive(Debug, Clone)]
+enum Outcome {
+    /// There was no V-path, or more than one.
+    Impossible,
+    /// The way back is found from the extremum.
+    OfExtremum,
+    /// The V-path that was reversed, from the edge up.
+    OfSaddles(Box<[Cell]>),
 }
 
 /// What was asked for last.
@@ -79,13 +91,14 @@ enum Choice {
     Maxima(Vec<VertexId>),
 }
 
-impl<'a> MorseHierarchy<'a> {
+impl<'a, T: Triangulation> MorseHierarchy<'a, T> {
     /// Builds the discrete gradient and pairs its critical cells.
     ///
     /// # Arguments
     /// * `complex`: `n` vertices, dimension 1, 2 or 3.
     /// * `values`: `n` finite values.
     /// * `order`: the order of the values.
+    /// * `saddles`: what becomes of pairs of saddles in dimension 3.
     ///
     /// # Errors
     /// As [`discrete_gradient`], and [`MorseError::ValuesLength`].
@@ -97,21 +110,29 @@ impl<'a> MorseHierarchy<'a> {
     /// # Source
     /// Forman 1998, theorem 11.1; Edelsbrunner, Harer, Zomorodian 2003; for critical top cells by union–find on their
     /// graph, with the boundary as the eldest: Guillou, Vidal, Tierny 2023, section 4.
-    pub fn new(complex: &'a SimplicialComplex, values: &[f64], order: &'a VertexOrder) -> Result<Self, MorseError> {
+    pub fn new(
+        complex: &'a T,
+        values: &[f64],
+        order: &'a VertexOrder,
+        saddles: SaddlePairs,
+    ) -> Result<Self, MorseError> {
         let gradient = discrete_gradient(complex, order)?;
         let minima = BasinHierarchy::new(complex, values, order, ExtremumKind::Minimum)?;
         let maxima = BasinHierarchy::new(complex, values, order, ExtremumKind::Maximum)?;
-        let mut cancellations = lower_cancellations(complex, &minima);
+        let mut cancellations = with_minima(complex, &minima);
         if complex.dimension() > 1 {
-            cancellations.extend(upper_cancellations(complex, &gradient, values, order, &maxima));
+            cancellations.extend(with_maxima(complex, &gradient, values, order, &maxima));
         }
-        // Stable: both lists come nested first.
+        if complex.dimension() == 3 && saddles == SaddlePairs::Cancel {
+            cancellations.extend(of_saddles(complex, &gradient, values, order));
+        }
+        // Stable: the lists of extrema come nested first.
         cancellations.sort_by(|a, b| a.level.total_cmp(&b.level));
         Ok(Self { complex, order, gradient, minima, maxima, cancellations, done: Vec::new(), choice: Choice::Above(f64::NEG_INFINITY) })
     }
 
     /// The complex.
-    pub fn complex(&self) -> &'a SimplicialComplex {
+    pub fn complex(&self) -> &'a T {
         self.complex
     }
 
@@ -142,7 +163,8 @@ impl<'a> MorseHierarchy<'a> {
 
     /// The cancellations that are done now.
     pub fn cancelled(&self) -> impl Iterator<Item = &CellCancellation> {
-        self.done.iter().map(|&place| &self.cancellations[place])
+        let is_done = |trial: &&Trial| !matches!(trial.outcome, Outcome::Impossible);
+        self.done.iter().filter(is_done).map(|trial| &self.cancellations[trial.place])
     }
 
     /// Simplifies, or restores, to a threshold: what remains exceeds it strictly. Below 0, nothing is cancelled.
@@ -175,7 +197,7 @@ impl<'a> MorseHierarchy<'a> {
         self.choice = Choice::Maxima(wanted.maxima.clone());
         self.retaining(|cancellation| {
             let list = if cancellation.lower.dimension == 0 { &wanted.minima } else { &wanted.maxima };
-            cancellation.level > threshold || is_wanted(cancellation.extremum, list)
+            cancellation.level > threshold || cancellation.extremum.is_some_and(|vertex| is_wanted(vertex, list))
         })
     }
 
@@ -206,37 +228,55 @@ impl<'a> MorseHierarchy<'a> {
         let chosen: Vec<usize> = (0..self.cancellations.len())
             .filter(|&place| self.cancellations[place].level.is_finite() && !retained(&self.cancellations[place]))
             .collect();
-        let common = self.done.iter().zip(&chosen).take_while(|(done, chosen)| done == chosen).count();
-        for place in self.done.split_off(common).into_iter().rev() {
-            self.undo(&self.cancellations[place].clone());
+        let common = self.done.iter().zip(&chosen).take_while(|(trial, chosen)| trial.place == **chosen).count();
+        for trial in self.done.split_off(common).into_iter().rev() {
+            self.undo(&trial);
         }
         for &place in &chosen[common..] {
-            if self.cancel(&self.cancellations[place].clone()) {
-                self.done.push(place);
-            }
+            let outcome = self.cancel(place);
+            self.done.push(Trial { place, outcome });
         }
         &self.gradient
     }
 
-    /// Reverses the one V-path between the two cells; does nothing if there is none, or more than one.
-    fn cancel(&mut self, pair: &CellCancellation) -> bool {
+    /// Reverses the one V-path between two cells; does nothing if there is none, or more than one.
+    fn cancel(&mut self, place: usize) -> Outcome {
+        let pair = self.cancellations[place];
         if !self.gradient.is_critical(pair.lower) || !self.gradient.is_critical(pair.upper) {
-            return false;
+            return Outcome::Impossible;
         }
-        let Some(path) = (match pair.lower.dimension {
-            0 => self.path_down(pair),
-            _ => self.path_up(pair),
-        }) else {
-            return false;
+        let path = match (pair.lower.dimension, pair.extremum) {
+            (_, None) => unique_path(self.complex, &self.gradient, pair.lower, pair.upper),
+            (0, _) => self.path_down(&pair),
+            _ => self.path_up(&pair),
         };
+        let Some(path) = path else { return Outcome::Impossible };
         for step in path.chunks_exact(2) {
             self.join(step[0], step[1]);
         }
-        true
+        if pair.extremum.is_some() { Outcome::OfExtremum } else { Outcome::OfSaddles(path.into()) }
     }
 
-    /// Restores the V-path that [`cancel`](Self::cancel) has reversed.
-    fn undo(&mut self, pair: &CellCancellation) {
+    fn undo(&mut self, trial: &Trial) {
+        let pair = self.cancellations[trial.place];
+        match &trial.outcome {
+            Outcome::Impossible => {}
+            Outcome::OfExtremum => self.restore_extremum(&pair),
+            Outcome::OfSaddles(path) => self.restore(path),
+        }
+    }
+
+    /// Gives the cells of a reversed V-path their partners of before; both its ends are critical again.
+    fn restore(&mut self, path: &[Cell]) {
+        let [first, between @ .., last] = path else { return };
+        self.gradient.release(*first);
+        self.gradient.release(*last);
+        for step in between.chunks_exact(2) {
+            self.join(step[0], step[1]);
+        }
+    }
+
+    fn restore_extremum(&mut self, pair: &CellCancellation) {
         // From the extremum back along the reversed path, which ends in the saddle.
         let (extremum, saddle) =
             if pair.lower.dimension == 0 { (pair.lower, pair.upper) } else { (pair.upper, pair.lower) };
@@ -253,8 +293,8 @@ impl<'a> MorseHierarchy<'a> {
                 break;
             }
             if last.dimension == 0 {
-                let [a, b] = self.complex.edges()[between.index as usize];
-                last = Cell::vertex(if a.0 == last.index { b } else { a });
+                let ends = self.complex.cell_vertices(between);
+                last = Cell::vertex(if ends[0].0 == last.index { ends[1] } else { ends[0] });
             } else {
                 cofacets(self.complex, between, &mut around);
                 match around.iter().find(|&&cell| cell != last) {
@@ -264,11 +304,7 @@ impl<'a> MorseHierarchy<'a> {
             }
             path.push(last);
         }
-        self.gradient.release(extremum);
-        self.gradient.release(saddle);
-        for step in path[1..path.len() - 1].chunks_exact(2) {
-            self.join(step[0], step[1]);
-        }
+        self.restore(&path);
     }
 
     fn join(&mut self, a: Cell, b: Cell) {
@@ -277,20 +313,12 @@ impl<'a> MorseHierarchy<'a> {
 
     /// The V-path from an edge down to a minimum, if exactly one of its two leads there.
     fn path_down(&self, pair: &CellCancellation) -> Option<Vec<Cell>> {
-        let minimum = VertexId(pair.lower.index);
-        let ends = self.complex.edges()[pair.upper.index as usize];
-        let leads = ends.map(|end| self.gradient.descent_end(self.complex, end) == minimum);
-        let mut vertex = match leads {
-            [true, false] => ends[0],
-            [false, true] => ends[1],
-            _ => return None,
-        };
-        let mut path = vec![pair.upper, Cell::vertex(vertex)];
-        while let Some((edge, next)) = self.gradient.step(self.complex, vertex) {
-            path.extend([Cell::edge(edge), Cell::vertex(next)]);
-            vertex = next;
-        }
-        Some(path)
+        let ends = self.complex.cell_vertices(pair.upper);
+        let mut paths: Vec<Vec<Cell>> = ends.iter().map(|&end| path_down(self.complex, &self.gradient, end)).collect();
+        paths.retain(|path| path.last() == Some(&pair.lower));
+        let mut path = vec![pair.upper];
+        path.append(paths.first_mut()?);
+        (paths.len() == 1).then_some(path)
     }
 
     /// The V-path between a facet and a maximum, if there is exactly one.
@@ -312,72 +340,4 @@ impl<'a> MorseHierarchy<'a> {
         }
         only
     }
-}
-
-/// Minima with their edges.
-fn lower_cancellations(complex: &SimplicialComplex, minima: &BasinHierarchy) -> Vec<CellCancellation> {
-    let pair = |merge: &BasinMerge| {
-        let edge = complex.edge(merge.edge[0], merge.edge[1])?;
-        Some(CellCancellation {
-            lower: Cell::vertex(merge.extremum),
-            upper: Cell::edge(edge),
-            extremum: merge.extremum,
-            persistence: merge.persistence,
-            level: merge.persistence,
-        })
-    };
-    minima.merges().iter().filter_map(pair).collect()
-}
-
-/// Maxima with the facets at which they die: union–find on top cells by falling facet. What has risen out of the domain is
-/// older than any maximum.
-fn upper_cancellations(
-    complex: &SimplicialComplex,
-    gradient: &DiscreteGradient,
-    values: &[f64],
-    order: &VertexOrder,
-    maxima: &BasinHierarchy,
-) -> Vec<CellCancellation> {
-    let dimension = complex.dimension();
-    let summits = ascent::summits(complex, gradient);
-    let mut tops: Vec<([u32; 4], Cell)> =
-        gradient.critical_cells(dimension).map(|cell| (key(complex, order, cell), cell)).collect();
-    tops.sort_unstable();
-    // Set 0 is what lies outside; maxima follow, oldest first, so the smaller number is the elder.
-    let number: BTreeMap<u32, u32> = tops.iter().rev().zip(1..).map(|(top, number)| (top.1.index, number)).collect();
-    let mut facets: Vec<([u32; 4], Cell)> =
-        gradient.critical_cells(dimension - 1).map(|cell| (key(complex, order, cell), cell)).collect();
-    facets.sort_unstable();
-    let superlevel: BTreeMap<VertexId, f64> = maxima
-        .extrema()
-        .iter()
-        .map(|&maximum| (maximum, f64::INFINITY))
-        .chain(maxima.merges().iter().map(|merge| (merge.extremum, merge.persistence)))
-        .collect();
-    let vertex = |key: &[u32; 4]| order.sequence()[key[0] as usize - 1];
-    let mut forest = Forest::new(tops.len() + 1);
-    let mut around = Vec::new();
-    let mut found = Vec::new();
-    for (facet_key, facet) in facets.iter().rev() {
-        cofacets(complex, *facet, &mut around);
-        let end = |top: Option<&Cell>| match top.map(|top| summits[top.index as usize]) {
-            None | Some(OUTSIDE) => Some(0),
-            Some(BRANCHING) => None,
-            Some(summit) => number.get(&summit).copied(),
-        };
-        let ([one, other], true) = ([end(around.first()), end(around.get(1))], around.len() <= 2) else { continue };
-        let (Some(one), Some(other)) = (one, other) else { continue };
-        let (one, other) = (forest.root(one), forest.root(other));
-        if one == other {
-            continue;
-        }
-        let (elder, younger) = (one.min(other), one.max(other));
-        forest.attach(younger, elder);
-        let (top_key, top) = &tops[tops.len() - younger as usize];
-        let (saddle, extremum) = (vertex(facet_key), vertex(top_key));
-        let persistence = (values[extremum.index()] - values[saddle.index()]).abs();
-        let level = superlevel.get(&extremum).map_or(persistence, |&level| level.max(persistence));
-        found.push(CellCancellation { lower: *facet, upper: *top, extremum, persistence, level });
-    }
-    found
 }

@@ -1,13 +1,16 @@
 //! The gradient of a whole grid: one byte a cell, lower stars of chunks of points in parallel.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use crate::field::{VertexId, VertexOrder};
+use crate::field::VertexOrder;
 use crate::mesh::FreudenthalLattice;
 
+use super::lattice_scan::LatticeScan;
 use super::lattice_star::{LatticeStar, Sink};
+use super::mask_star::{LOWER, MaskStar};
 use super::partners::{CRITICAL_BYTE, NO_CELL};
 
 /// Points handled by one parallel task. Any number gives the same result.
@@ -25,101 +28,65 @@ pub(super) fn lattice_places(lattice: &FreudenthalLattice, order: &VertexOrder) 
         places[dimension][index as usize].store(place, Ordering::Relaxed);
     };
     let run = match lattice.dimension() {
-        1 => pair_chunk::<2>,
-        2 => pair_chunk::<6>,
-        _ => pair_chunk::<14>,
+        1 => pair_chunk::<2, _>,
+        2 => pair_chunk::<6, _>,
+        _ => pair_chunk::<14, _>,
     };
+    let (scan, gaps) = (LatticeScan::new(lattice), gaps(lattice));
     (0..points.div_ceil(CHUNK)).into_par_iter().for_each_init(
-        || (LatticeStar::new(lattice), Rims::new(lattice)),
-        |(star, rims), chunk| run(Chunk { lattice, order, chunk }, star, rims, &sink),
+        || (LatticeStar::new(lattice, &sink), MaskStar::default()),
+        |star, chunk| {
+            let points = chunk * CHUNK..points.min((chunk + 1) * CHUNK);
+            run(&scan, points.clone(), order.ranks(), star);
+            mark_gaps(&scan, points, &gaps, &sink);
+        },
     );
     places.map(|cells| cells.into_iter().map(AtomicU8::into_inner).collect())
 }
 
-struct Chunk<'a> {
-    lattice: &'a FreudenthalLattice,
-    order: &'a VertexOrder,
-    chunk: usize,
+/// By rims at the end of axes: types of cells by dimension, number of the type, types in all, that leave the lattice.
+type Gaps = [Vec<(usize, u32, u32)>; 8];
+
+fn gaps(lattice: &FreudenthalLattice) -> Gaps {
+    [0u8, 1, 2, 3, 4, 5, 6, 7].map(|ends| {
+        let of_dimension = |dimension: usize| {
+            let kinds = lattice.kinds(dimension);
+            let leaves = move |&kind: &usize| lattice.chain(dimension, kind)[dimension - 1] & ends != 0;
+            (0..kinds).filter(leaves).map(move |kind| (dimension, kind as u32, kinds as u32))
+        };
+        (1..4).flat_map(of_dimension).collect()
+    })
 }
 
-/// What the rims of the lattice take from a point.
-struct Rims {
-    /// Differences of numbers to the neighbours, modulo 2^32.
-    shifts: [u32; 14],
-    /// By rims: the neighbours that are there, as a set.
-    present: [u16; 64],
-    /// By rims at the end of axes: dimension and type of the cells anchored at the point that are not there.
-    gaps: [Vec<(usize, u32)>; 8],
-    /// Types of cells by dimension.
-    kinds: [u32; 4],
+fn mark_gaps(scan: &LatticeScan, points: Range<usize>, gaps: &Gaps, sink: &impl Sink) {
+    scan.visit(points, |point, rims| {
+        for &(dimension, kind, kinds) in &gaps[rims >> 3] {
+            sink(dimension, point * kinds + kind, NO_CELL);
+        }
+    });
 }
 
-impl Rims {
-    fn new(lattice: &FreudenthalLattice) -> Self {
-        let half = (1usize << lattice.dimension()) - 1;
-        let steps = lattice.steps();
-        let mut shifts = [0; 14];
-        let mut present = [0; 64];
-        for step in 1..=half {
-            // Neighbours by rising number: the furthest back first.
-            let (before, after) = (half - step, half + step - 1);
-            shifts[before] = steps[step].wrapping_neg();
-            shifts[after] = steps[step];
-            for (rims, present) in present.iter_mut().enumerate() {
-                *present |= u16::from(rims & step == 0) << before;
-                *present |= u16::from(rims >> 3 & step == 0) << after;
-            }
-        }
-        let gaps = [0u8, 1, 2, 3, 4, 5, 6, 7].map(|ends| {
-            let types = (1..4).flat_map(|dimension| (0..lattice.kinds(dimension)).map(move |kind| (dimension, kind)));
-            let leaves = types.filter(|&(dimension, kind)| lattice.chain(dimension, kind)[dimension - 1] & ends != 0);
-            leaves.map(|(dimension, kind)| (dimension, kind as u32)).collect()
-        });
-        Self { shifts, present, gaps, kinds: [0, 1, 2, 3].map(|dimension| lattice.kinds(dimension) as u32) }
-    }
-}
-
-/// Pairs the lower stars of a chunk of points with up to `SLOTS` neighbours.
-fn pair_chunk<const SLOTS: usize>(chunk: Chunk, star: &mut LatticeStar, rims: &Rims, sink: &impl Sink) {
-    let Chunk { lattice, order, chunk } = chunk;
-    let ranks = order.ranks();
-    let points = (chunk * CHUNK) as u32..ranks.len().min((chunk + 1) * CHUNK) as u32;
-    let sizes = lattice.sizes();
-    let mut place = lattice.coordinates(VertexId(points.start));
-    for point in points {
-        let mut at = 0;
-        for axis in 0..3 {
-            at |= usize::from(place[axis] == 0) << axis | usize::from(place[axis] + 1 == sizes[axis]) << (3 + axis);
-        }
-        // Axes beyond the dimension have both rims everywhere, and no step along them.
-        let present = rims.present[at];
-        for &(dimension, kind) in &rims.gaps[at >> 3] {
-            sink(dimension, point * rims.kinds[dimension] + kind, NO_CELL);
-        }
+/// Pairs the lower stars of points with up to `SLOTS` neighbours.
+fn pair_chunk<const SLOTS: usize, S: Sink>(
+    scan: &LatticeScan,
+    points: Range<usize>,
+    ranks: &[u32],
+    (star, pairing): &mut (LatticeStar<'_, S>, MaskStar),
+) {
+    scan.visit(points, |point, rims| {
         let own = signed(ranks[point as usize]);
-        let mut around = [i32::MAX; 16];
+        let mut around = [i32::MAX; LOWER];
         let mut lower = 0u16;
-        let mut look = |slot: usize| {
-            let rank = signed(ranks[point.wrapping_add(rims.shifts[slot]) as usize]);
+        scan.look::<SLOTS>(point, rims, |slot, neighbour| {
+            let rank = signed(ranks[neighbour as usize]);
             around[slot] = if rank < own { rank } else { i32::MAX };
             lower |= u16::from(rank < own) << slot;
-        };
-        if present.count_ones() as usize == SLOTS {
-            (0..SLOTS).for_each(&mut look);
-        } else {
-            (0..SLOTS).filter(|slot| present >> slot & 1 == 1).for_each(&mut look);
-        }
+        });
         if lower != 0 {
-            star.pair(point, lower, &around, sink);
+            star.turn_to(point, lower, &around);
+            pairing.pair(lower.count_ones() as usize, star);
         }
-        place[0] += 1;
-        for axis in 0..2 {
-            if place[axis] == sizes[axis] {
-                place[axis] = 0;
-                place[axis + 1] += 1;
-            }
-        }
-    }
+    });
 }
 
 /// Ranks compare as signed numbers do, for which older processors have the faster instruction.

@@ -7,8 +7,8 @@ use crate::mesh::{Cell, Grid, ImplicitGrid, Triangulation};
 
 use super::partners::{down, up};
 
-/// Most neighbours of a point.
-pub(super) const SLOTS: usize = 14;
+/// Room for the neighbours of a point, of which there are 14 at most.
+pub(super) const SLOTS: usize = 16;
 
 /// Triangles at a point of a 3-dimensional lattice.
 const TRIANGLES: usize = 36;
@@ -40,6 +40,8 @@ pub(super) struct Link {
     pub of_triangle: [[Codes; SLOTS]; SLOTS],
     /// By number of a triangle: that triangle with the tetrahedron of it and a third neighbour.
     pub of_tetrahedron: [[Codes; SLOTS]; TRIANGLES],
+    /// By set of neighbours: the first one of each of its components.
+    pub firsts: Vec<u16>,
     /// By dimension: steps back from the point to the anchor of each cell of the star, and its type.
     pub anchors: [Vec<(u8, u32)>; 4],
 }
@@ -59,6 +61,7 @@ impl Default for Link {
             of_edge: [Codes::default(); SLOTS],
             of_triangle: [[Codes::default(); SLOTS]; SLOTS],
             of_tetrahedron: [[Codes::default(); SLOTS]; TRIANGLES],
+            firsts: Vec::new(),
             anchors: Default::default(),
         }
     }
@@ -113,6 +116,27 @@ impl Link {
                 link.of_tetrahedron[number][slots[third]] = codes(triangle, tetrahedron)?;
             }
         }
+        link.firsts = (0..1 << link.slots).map(|set| link.firsts_of(set)).collect();
         Some(link)
+    }
+
+    fn firsts_of(&self, mut rest: u16) -> u16 {
+        let mut firsts = 0;
+        while rest != 0 {
+            let mut component = rest & rest.wrapping_neg();
+            firsts |= component;
+            loop {
+                let mut grown = component;
+                for slot in (0..self.slots).filter(|slot| component >> slot & 1 == 1) {
+                    grown |= self.adjacent[slot] & rest;
+                }
+                if grown == component {
+                    break;
+                }
+                component = grown;
+            }
+            rest &= !component;
+        }
+        firsts
     }
 }

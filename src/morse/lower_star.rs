@@ -1,4 +1,4 @@
-//! One lower star: its cells in the order of the field, and their pairing.
+//! One lower star of any size: its cells in the order of the field, and their pairing. Small ones have a faster way.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -39,14 +39,13 @@ impl LowerStar {
     /// Gathers the cells whose highest vertex is `vertex`.
     ///
     /// # Arguments
-    /// * `triangles`, `tetrahedra`: numbers of those whose highest vertex is `vertex`.
+    /// * `owned`: triangles and tetrahedra whose highest vertex is `vertex`.
     pub(super) fn collect<T: Triangulation>(
         &mut self,
         complex: &T,
         order: &VertexOrder,
         vertex: VertexId,
-        triangles: &[u32],
-        tetrahedra: &[u32],
+        owned: [&[u32]; 2],
     ) {
         let rank = order.rank(vertex);
         self.below.clear();
@@ -60,7 +59,7 @@ impl LowerStar {
         for (place, &(_, _, edge)) in self.below.iter().enumerate() {
             self.cells.push(([place as u32 + 1, 0, 0], edge));
         }
-        for (dimension, cells) in [(2, triangles), (3, tetrahedra)] {
+        for (dimension, cells) in [2, 3].into_iter().zip(owned) {
             for &index in cells {
                 let cell = Cell { dimension, index };
                 let key = self.key(order, vertex, complex.cell_vertices(cell).into_iter());

@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::field::{VertexId, VertexOrder};
-use crate::mesh::{Cell, SimplicialComplex};
+use crate::mesh::{Cell, Triangulation};
 
 use super::ascent::{self, Summit};
 use super::gradient::DiscreteGradient;
 use super::hierarchy::MorseHierarchy;
 use super::segmentation::{MorseSmaleSegmentation, Segmentation};
 use super::star::{cofacets, key, on_boundary};
-use super::v_paths::separatrices_below;
+use super::v_paths::{path_down, separatrices_below};
 
 /// A critical cell, or a maximum on the boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,8 +54,9 @@ pub struct SeparatrixLine {
 /// The Morse–Smale complex of a field, simplified as far as the hierarchy is from which it is taken.
 ///
 /// Where an ascending V-path leaves the domain through its boundary, the line goes on from the highest vertex of that
-/// facet along the V-path of vertices and edges of `-h` to a maximum. So every maximum on the boundary is a point, a region
-/// and an end of lines. The counts of critical cells alone, without these maxima, alternate to the Euler characteristic.
+/// facet along the V-path of vertices and edges of `-h` to a maximum. So a maximum on the boundary, which has no critical
+/// cell, is a point, a region and, mostly, an end of lines. The critical cells alone, without these maxima, alternate to
+/// the Euler characteristic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MorseSmaleComplex {
     /// By dimension; minima by rising vertex, saddles by rising cell, maxima by rising vertex. The `k`-th minimum
@@ -84,7 +85,7 @@ impl MorseSmaleComplex {
     /// # Cost
     /// Linear in the cells and in the lengths of all lines; in dimension 3 also in the cells that V-paths from each 2-saddle
     /// down reach, summed over the 2-saddles. Parallel; the result does not depend on the number of threads.
-    pub fn new(hierarchy: &MorseHierarchy<'_>) -> Self {
+    pub fn new<T: Triangulation>(hierarchy: &MorseHierarchy<'_, T>) -> Self {
         let (complex, gradient) = (hierarchy.complex(), hierarchy.gradient());
         let (minima, maxima) = (hierarchy.minimum_segmentation(), hierarchy.maximum_segmentation());
         let Points { points, counts, boundary_maxima } = Points::new(hierarchy, &minima, &maxima);
@@ -110,7 +111,7 @@ struct Points {
 }
 
 impl Points {
-    fn new(hierarchy: &MorseHierarchy<'_>, minima: &Segmentation, maxima: &Segmentation) -> Self {
+    fn new<T: Triangulation>(hierarchy: &MorseHierarchy<'_, T>, minima: &Segmentation, maxima: &Segmentation) -> Self {
         let (complex, gradient, order) = (hierarchy.complex(), hierarchy.gradient(), hierarchy.order());
         let dimension = complex.dimension();
         let rim = on_boundary(complex);
@@ -158,7 +159,7 @@ impl Points {
 }
 
 /// The highest top cell at a vertex, as the lower-star filtration compares them.
-fn highest_top(complex: &SimplicialComplex, order: &VertexOrder, vertex: VertexId) -> Cell {
+fn highest_top<T: Triangulation>(complex: &T, order: &VertexOrder, vertex: VertexId) -> Cell {
     let mut cells = vec![Cell::vertex(vertex)];
     let mut around = Vec::new();
     // Greedy is right: cells compare by their vertices from the highest on, and every face is one of a top cell.
@@ -171,8 +172,8 @@ fn highest_top(complex: &SimplicialComplex, order: &VertexOrder, vertex: VertexI
 }
 
 /// Follows V-paths from saddles.
-struct Tracer<'a> {
-    complex: &'a SimplicialComplex,
+struct Tracer<'a, T> {
+    complex: &'a T,
     gradient: &'a DiscreteGradient,
     order: &'a VertexOrder,
     /// The successor of every vertex on its V-path of `-h`.
@@ -183,7 +184,7 @@ struct Tracer<'a> {
     maxima: &'a Segmentation,
 }
 
-impl Tracer<'_> {
+impl<T: Triangulation> Tracer<'_, T> {
     fn lines(&self, points: &[CriticalPoint], counts: [usize; 4]) -> (Vec<SeparatrixLine>, usize) {
         let dimension = self.complex.dimension();
         let of_dimension = |wanted: usize| {
@@ -218,16 +219,12 @@ impl Tracer<'_> {
 
     fn descending(&self, source: usize, edge: Cell) -> Vec<SeparatrixLine> {
         let trace = |start: VertexId| {
-            let mut cells = vec![edge, Cell::vertex(start)];
-            let mut vertex = start;
-            while let Some((edge, next)) = self.gradient.step(self.complex, vertex) {
-                cells.extend([Cell::edge(edge), Cell::vertex(next)]);
-                vertex = next;
-            }
-            let destination = *self.place.get(&Cell::vertex(vertex))?;
+            let mut cells = vec![edge];
+            cells.extend(path_down(self.complex, self.gradient, start));
+            let destination = *self.place.get(cells.last()?)?;
             Some(SeparatrixLine { kind: LineKind::Descending, source, destination, cells })
         };
-        self.complex.edges()[edge.index as usize].into_iter().filter_map(trace).collect()
+        self.complex.cell_vertices(edge).into_iter().filter_map(trace).collect()
     }
 
     fn ascending(&self, source: usize, facet: Cell, points: &[CriticalPoint]) -> Vec<SeparatrixLine> {
@@ -255,7 +252,7 @@ impl Tracer<'_> {
             if next == vertex {
                 break;
             }
-            cells.extend(self.complex.edge(vertex, next).map(Cell::edge));
+            cells.extend(self.complex.cell_of(&[vertex, next]));
             cells.push(Cell::vertex(next));
             vertex = next;
         }

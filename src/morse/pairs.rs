@@ -1,10 +1,9 @@
 //! Extremum pairs: which extremum of a field dies at which vertex, by union–find on the vertex order.
 
-use rayon::prelude::*;
-
 use crate::field::{VertexId, VertexOrder};
 use crate::mesh::Triangulation;
 
+use super::sweep::{Age, Basins, basins};
 use super::forest::Forest;
 
 /// The two kinds of extrema.
@@ -81,9 +80,9 @@ impl ExtremumPair {
 /// If `order` is of another number of vertices.
 ///
 /// # Cost
-/// Linear up to a sort of the vertices where basins meet and the inverse Ackermann function; 8 bytes a vertex and 12 for
-/// each such vertex. Parallel but for linear passes and the union–find on basins; the result does not depend on the
-/// number of threads.
+/// Linear up to a sort of the vertices whose lower link is not connected and the inverse Ackermann function; 4 bytes a vertex
+/// and 12 for each such vertex, 24 while they are sorted. Parallel but for the union–find on basins; the result does not
+/// depend on the number of threads.
 ///
 /// # Source
 /// Edelsbrunner, Letscher, Zomorodian 2002; union–find as in Edelsbrunner and Harer 2010, section VII.2.
@@ -107,110 +106,36 @@ pub fn extremum_pairs<T: Triangulation>(complex: &T, order: &VertexOrder, kind: 
         complex.vertex_count(),
         "the vertex order and the complex must have the same number of vertices"
     );
-    minimum_pairs(&kind.descending(order), kind, |vertex| complex.neighbours(vertex))
-}
-
-/// Pairs of the minima of `order` on any graph; implicit grids give their neighbours without storing them.
-///
-/// Vertices are visited by index wherever that is possible: neighbours are near in memory then, in the order of a noisy
-/// field they are not.
-fn minimum_pairs<I: Iterator<Item = VertexId>>(
-    order: &VertexOrder,
-    kind: ExtremumKind,
-    neighbours: impl Fn(VertexId) -> I + Sync,
-) -> Vec<ExtremumPair> {
-    let Basins { minima, basin } = basins(order, &neighbours);
-    let mut forest = Forest::new(minima.len());
-    let mut saddles = vec![None; minima.len()];
-    for (rank, one, other) in passes(order, &basin, &neighbours) {
+    let age = Age { ranks: order.ranks(), turn: turn_of(kind) };
+    let Basins { extrema, passes, components } = basins(complex, age);
+    let mut forest = Forest::new(extrema.len());
+    let mut saddles = vec![None; extrema.len()];
+    for (age, one, other) in passes {
         let (one, other) = (forest.root(one), forest.root(other));
         if one != other {
-            // Minima are numbered by rank: the one of lower number is the elder and lives on.
+            // Extrema are numbered by age: the one of lower number is the elder and lives on.
             let (elder, younger) = (one.min(other), one.max(other));
-            saddles[younger as usize] = Some(order.sequence()[rank as usize]);
+            saddles[younger as usize] = Some(order.sequence()[(age ^ turn_of(kind)) as usize]);
             forest.attach(younger, elder);
         }
     }
-    // The name must be the same for minima and maxima, so it is the lowest vertex of all, not of the minima.
-    let mut component = vec![VertexId(u32::MAX); minima.len()];
-    for (vertex, &basin) in basin.iter().enumerate().filter(|&(_, &basin)| basin != NO_BASIN) {
-        let name = &mut component[basin as usize];
-        *name = (*name).min(VertexId::from(vertex));
-    }
-    for place in 0..minima.len() {
+    // The name must be the same for minima and maxima, so it is the lowest vertex of all, not of the extrema.
+    let mut component = components;
+    for place in 0..extrema.len() {
         let root = forest.root(place as u32) as usize;
         component[root] = component[root].min(component[place]);
     }
-    let mut pairs = Vec::with_capacity(minima.len());
-    for (place, &extremum) in minima.iter().enumerate() {
+    let pair = |(place, &extremum): (usize, &VertexId)| {
         let component = component[forest.root(place as u32) as usize];
-        pairs.push(ExtremumPair { extremum, saddle: saddles[place], kind, component });
-    }
-    pairs
+        ExtremumPair { extremum, saddle: saddles[place], kind, component }
+    };
+    extrema.iter().enumerate().map(pair).collect()
 }
 
-const NO_BASIN: u32 = u32::MAX;
-
-/// The minima by rank, and for every vertex the number of the one in which steepest descent ends.
-struct Basins {
-    minima: Vec<VertexId>,
-    /// `NO_BASIN` for vertices without neighbours.
-    basin: Vec<u32>,
-}
-
-fn basins<I: Iterator<Item = VertexId>>(order: &VertexOrder, neighbours: &(impl Fn(VertexId) -> I + Sync)) -> Basins {
-    let steepest: Vec<VertexId> = (0..order.len())
-        .into_par_iter()
-        .map(|vertex| {
-            let vertex = VertexId::from(vertex);
-            neighbours(vertex).fold(vertex, |low, next| if order.is_below(next, low) { next } else { low })
-        })
-        .collect();
-    let is_minimum = |&vertex: &VertexId| steepest[vertex.index()] == vertex && neighbours(vertex).next().is_some();
-    let mut minima: Vec<VertexId> = (0..order.len()).into_par_iter().map(VertexId::from).filter(is_minimum).collect();
-    minima.par_sort_unstable_by_key(|&vertex| order.rank(vertex));
-    let mut basin = vec![NO_BASIN; order.len()];
-    for (place, minimum) in minima.iter().enumerate() {
-        basin[minimum.index()] = place as u32;
+/// What turns ranks around where maxima are the extrema, so that they are the first by the turned ranks.
+const fn turn_of(kind: ExtremumKind) -> u32 {
+    match kind {
+        ExtremumKind::Minimum => 0,
+        ExtremumKind::Maximum => u32::MAX,
     }
-    let mut path = Vec::new();
-    for start in 0..order.len() {
-        let mut vertex = VertexId::from(start);
-        while basin[vertex.index()] == NO_BASIN && steepest[vertex.index()] != vertex {
-            path.push(vertex);
-            vertex = steepest[vertex.index()];
-        }
-        for passed in path.drain(..) {
-            basin[passed.index()] = basin[vertex.index()];
-        }
-    }
-    Basins { minima, basin }
-}
-
-/// Where basins meet: the rank of a vertex, its basin, and another basin among its lower neighbours; by rising rank.
-///
-/// Components of sublevel sets join only there: all lower neighbours of any other vertex are in one component already.
-fn passes<I: Iterator<Item = VertexId>>(
-    order: &VertexOrder,
-    basin: &[u32],
-    neighbours: &(impl Fn(VertexId) -> I + Sync),
-) -> Vec<(u32, u32, u32)> {
-    let mut passes: Vec<(u32, u32, u32)> = (0..order.len())
-        .into_par_iter()
-        .fold(Vec::new, |mut passes, vertex| {
-            let vertex = VertexId::from(vertex);
-            let (rank, own) = (order.rank(vertex), basin[vertex.index()]);
-            for below in neighbours(vertex).filter(|&neighbour| order.rank(neighbour) < rank) {
-                let pass = (rank, own, basin[below.index()]);
-                if pass.2 != own && passes.last() != Some(&pass) {
-                    passes.push(pass);
-                }
-            }
-            passes
-        })
-        .flatten_iter()
-        .collect();
-    // Passes that are listed twice are the same in every respect, so an unstable sort has one possible result.
-    passes.par_sort_unstable();
-    passes
 }

@@ -3,9 +3,8 @@
 use std::collections::HashMap;
 
 use crate::field::VertexId;
-use crate::mesh::SimplicialComplex;
+use crate::mesh::{Cell, Triangulation};
 
-use crate::mesh::Cell;
 use super::gradient::{DiscreteGradient, Pairing};
 
 /// Up to this number, V-paths between the same two critical cells become separatrices of their own. On a manifold no more
@@ -21,33 +20,6 @@ pub struct Separatrix {
     /// The cells of the V-path, both ends included, dimension k and k-1 in turn. If the separatrix stands for several,
     /// every cell on any of them, each once, a cell before those that follow it.
     pub cells: Vec<Cell>,
-}
-
-/// The facets of a cell.
-pub(super) fn facets(complex: &SimplicialComplex, cell: Cell) -> impl Iterator<Item = Cell> {
-    let index = cell.index as usize;
-    let mut facets = [None; 4];
-    match cell.dimension {
-        0 => {}
-        1 => {
-            let [a, b] = complex.edges()[index];
-            facets[..2].copy_from_slice(&[Some(Cell::vertex(a)), Some(Cell::vertex(b))]);
-        }
-        2 => {
-            let [a, b, c] = complex.triangles()[index];
-            for (slot, [from, to]) in facets.iter_mut().zip([[a, b], [a, c], [b, c]]) {
-                *slot = complex.edge(from, to).map(Cell::edge);
-            }
-        }
-        _ => {
-            let corners = complex.simplex(index);
-            for (slot, [a, b, c]) in facets.iter_mut().zip([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]) {
-                let corners = [corners[a], corners[b], corners[c]].map(VertexId);
-                *slot = complex.triangle(corners).map(Cell::triangle);
-            }
-        }
-    }
-    facets.into_iter().flatten()
 }
 
 /// All V-paths that start in one critical cell: an acyclic graph of cells of its dimension.
@@ -66,8 +38,8 @@ struct Descent {
 ///
 /// # Returns
 /// Pairs of critical facet and separatrix, by rising facet.
-pub(super) fn separatrices_below(
-    complex: &SimplicialComplex,
+pub(super) fn separatrices_below<T: Triangulation>(
+    complex: &T,
     gradient: &DiscreteGradient,
     start: Cell,
 ) -> Vec<(Cell, Separatrix)> {
@@ -87,7 +59,7 @@ pub(super) fn separatrices_below(
 }
 
 impl Descent {
-    fn new(complex: &SimplicialComplex, gradient: &DiscreteGradient, start: Cell) -> Self {
+    fn new<T: Triangulation>(complex: &T, gradient: &DiscreteGradient, start: Cell) -> Self {
         let (visits, finished) = explore(complex, gradient, start);
         let mut place_of = vec![0; visits.len()];
         for (place, &visit) in finished.iter().rev().enumerate() {
@@ -188,11 +160,11 @@ struct Visit {
 
 /// The cells of dimension k on V-paths from `start`, and their numbers in the order in which a search in depth leaves
 /// them: all that follow a cell are left before it, since no V-path is closed.
-fn explore(complex: &SimplicialComplex, gradient: &DiscreteGradient, start: Cell) -> (Vec<Visit>, Vec<usize>) {
+fn explore<T: Triangulation>(complex: &T, gradient: &DiscreteGradient, start: Cell) -> (Vec<Visit>, Vec<usize>) {
     let mut number_of: HashMap<Cell, usize> = [(start, 0)].into();
     let mut visits = vec![Visit { cell: start, steps: [None; 4] }];
     let mut finished = Vec::new();
-    let mut stack = vec![(0, facets(complex, start).enumerate())];
+    let mut stack = vec![(0, complex.facets(start).enumerate())];
     while let Some((number, left)) = stack.last_mut() {
         let number = *number;
         let Some((slot, facet)) = left.next() else {
@@ -205,7 +177,7 @@ fn explore(complex: &SimplicialComplex, gradient: &DiscreteGradient, start: Cell
             Pairing::Up(next) if next != visits[number].cell => {
                 let following = *number_of.entry(next).or_insert_with(|| {
                     visits.push(Visit { cell: next, steps: [None; 4] });
-                    stack.push((visits.len() - 1, facets(complex, next).enumerate()));
+                    stack.push((visits.len() - 1, complex.facets(next).enumerate()));
                     visits.len() - 1
                 });
                 Some(Step::On(facet, following))
@@ -214,4 +186,16 @@ fn explore(complex: &SimplicialComplex, gradient: &DiscreteGradient, start: Cell
         };
     }
     (visits, finished)
+}
+
+/// The V-path down from a vertex: that vertex, then edges and vertices in turn, the minimum last.
+pub(super) fn path_down<T: Triangulation>(complex: &T, gradient: &DiscreteGradient, start: VertexId) -> Vec<Cell> {
+    let mut path = vec![Cell::vertex(start)];
+    let mut vertex = start;
+    while let Pairing::Up(edge) = gradient.pairing(Cell::vertex(vertex)) {
+        let ends = complex.cell_vertices(edge);
+        vertex = if ends[0] == vertex { ends[1] } else { ends[0] };
+        path.extend([edge, Cell::vertex(vertex)]);
+    }
+    path
 }

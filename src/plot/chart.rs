@@ -11,6 +11,8 @@ const LEGEND_WIDTH: u32 = 215;
 const BLUE: RGBColor = RGBColor(24, 84, 214);
 const RED: RGBColor = RGBColor(214, 30, 38);
 const INK: RGBColor = RGBColor(38, 38, 42);
+/// Stretches of the curve that are flat.
+const PLATEAU: RGBColor = RGBColor(244, 190, 60);
 const FAINT: RGBColor = RGBColor(226, 226, 230);
 /// Persistence of less than this part of the largest is drawn at the left end: noise in the last digit, plateaus.
 const LEAST_PART: f64 = 1e-5;
@@ -54,11 +56,47 @@ pub fn persistence_curve(
     kept: [usize; 2],
     label: &str,
 ) -> Result<String, PlotError> {
-    for &found in minima.iter().chain(maxima) {
-        check(found, "a persistence", found >= 0.0)?;
+    CurveChart { minima, maxima, threshold, kept: Some(kept), plateaus: &[], label }.svg()
+}
+
+/// A persistence curve with everything that can be marked in it.
+#[derive(Debug, Clone, Copy)]
+pub struct CurveChart<'a> {
+    /// Persistences of the minima, in units of the values; those without a saddle as the whole range.
+    pub minima: &'a [f64],
+    /// Those of the maxima.
+    pub maxima: &'a [f64],
+    /// The chosen threshold, marked by a line. Not drawn where 0.
+    pub threshold: Option<f64>,
+    /// How many minima and maxima are kept, for the legend.
+    pub kept: Option<[usize; 2]>,
+    /// Stretches of thresholds, each from its least to its greatest, widest first: shaded and named in the legend.
+    pub plateaus: &'a [(f64, f64)],
+    /// What the values are.
+    pub label: &'a str,
+}
+
+impl CurveChart<'_> {
+    /// Draws the curve, both axes logarithmic.
+    ///
+    /// # Returns
+    /// An SVG document.
+    ///
+    /// # Errors
+    /// [`PlotError::Number`] for a number that is not finite or negative, [`PlotError::Chart`] if drawing fails.
+    ///
+    /// # Cost
+    /// O(n log n).
+    pub fn svg(&self) -> Result<String, PlotError> {
+        for &found in self.minima.iter().chain(self.maxima) {
+            check(found, "a persistence", found >= 0.0)?;
+        }
+        for found in self.plateaus.iter().flat_map(|&(from, to)| [from, to]) {
+            check(found, "the end of a plateau", found >= 0.0)?;
+        }
+        check(self.threshold.unwrap_or(0.0), "the threshold", self.threshold.is_none_or(|threshold| threshold >= 0.0))?;
+        draw(|sheet| draw_curves(sheet, self))
     }
-    check(threshold.unwrap_or(0.0), "the threshold", threshold.is_none_or(|threshold| threshold >= 0.0))?;
-    draw(|sheet| draw_curves(sheet, minima, maxima, threshold.unwrap_or(0.0), kept, label))
 }
 
 /// Birth and death of every extremum, minima above and maxima below the diagonal, with the band of what is removed.
@@ -132,14 +170,9 @@ fn staircase(persistences: &[f64], least: f64, most: f64) -> Vec<(f64, f64)> {
     corners
 }
 
-fn draw_curves(
-    sheet: &Sheet<'_>,
-    minima: &[f64],
-    maxima: &[f64],
-    threshold: f64,
-    kept: [usize; 2],
-    label: &str,
-) -> Result<(), Box<dyn std::error::Error>> {
+fn draw_curves(sheet: &Sheet<'_>, curve: &CurveChart<'_>) -> Result<(), Box<dyn std::error::Error>> {
+    let CurveChart { minima, maxima, kept, plateaus, label, .. } = *curve;
+    let threshold = curve.threshold.unwrap_or(0.0);
     let largest = minima.iter().chain(maxima).fold(threshold, |a, &b| a.max(b));
     let most = if largest > 0.0 { largest.clamp(DRAWABLE.0, DRAWABLE.1) } else { 1.0 };
     let threshold_place = threshold.min(most);
@@ -165,8 +198,20 @@ fn draw_curves(
         .x_label_formatter(&|value| number(*value))
         .y_label_formatter(&|value| number(*value))
         .draw()?;
-    for (persistences, colour, name) in [(minima, BLUE, format!("minima: {}", kept[0])), (maxima, RED, format!("maxima: {}", kept[1]))] {
-        let text = format!("{name} of {} kept", persistences.len());
+    for (place, &(from, to)) in plateaus.iter().enumerate() {
+        let above = |persistences: &[f64]| persistences.iter().filter(|&&persistence| persistence > from).count();
+        let text = format!("plateau: {} minima, {} maxima", above(minima), above(maxima));
+        // The widest is the darkest.
+        let shade = PLATEAU.mix(0.75 / (1.0 + 0.6 * place as f64)).filled();
+        let corners = [(from.clamp(least, most), 0.8), (to.clamp(least, most), count * 1.6)];
+        let series = chart.draw_series(std::iter::once(Rectangle::new(corners, shade)))?;
+        series.label(text).legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 24, y + 5)], shade));
+    }
+    for (persistences, colour, name, number) in [(minima, BLUE, "minima", 0), (maxima, RED, "maxima", 1)] {
+        let text = match kept {
+            Some(kept) => format!("{name}: {} of {} kept", kept[number], persistences.len()),
+            None => format!("{name}: {}", persistences.len()),
+        };
         let series = chart.draw_series(LineSeries::new(staircase(persistences, least, most), colour.stroke_width(2)))?;
         series.label(text).legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], colour.stroke_width(2)));
     }

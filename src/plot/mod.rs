@@ -15,7 +15,7 @@ mod picture;
 mod raster;
 mod ticks;
 
-pub use chart::{DiagramPoint, persistence_curve, persistence_diagram};
+pub use chart::{CurveChart, DiagramPoint, persistence_curve, persistence_diagram};
 pub use colour::ColourMap;
 pub use error::PlotError;
 pub use file::write_atomically;

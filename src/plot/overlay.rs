@@ -1,19 +1,20 @@
 //! The Morse–Smale complex over a field: separatrices and saddles.
 
 use super::canvas::Canvas;
-use super::colour::{INK, MAXIMUM, MINIMUM, Rgb, WHITE, mix};
+use super::colour::{MAXIMUM, MINIMUM, Rgb, WHITE, mix};
 use super::error::PlotError;
-use super::panel::{Shown, Spot, draw_mark};
+use super::panel::{Spot, draw_mark};
 use super::picture::{FieldView, Picture, PictureOptions, compose_with};
-use crate::mesh::{Cell, SimplicialComplex, Triangulation};
+use crate::mesh::{Cell, Corners, SimplicialComplex, Triangulation};
 use crate::morse::{LineKind, MorseSmaleComplex};
 
-const SADDLE: Rgb = [250, 176, 36];
+pub(super) const SADDLE: Rgb = [250, 176, 36];
 
 /// What is drawn over a field.
 pub(super) struct Overlay<'a> {
-    complex: &'a SimplicialComplex,
     smale: &'a MorseSmaleComplex,
+    dimension: u8,
+    corners: &'a dyn Fn(Cell) -> Corners,
 }
 
 impl Overlay<'_> {
@@ -21,9 +22,9 @@ impl Overlay<'_> {
     ///
     /// # Arguments
     /// * `radius`: that of the marks of extrema, in pixels.
-    pub(super) fn draw(&self, canvas: &mut Canvas, spot: &dyn Fn(&[u32]) -> Spot, radius: f64, shown: &mut Shown) {
+    pub(super) fn draw(&self, canvas: &mut Canvas, spot: &dyn Fn(&[u32]) -> Spot, radius: f64) {
         let place = |cell: Cell| {
-            let corners = self.complex.cell_vertices(cell);
+            let corners = (self.corners)(cell);
             let numbers = [0, 1, 2, 3].map(|corner| corners.get(corner).map_or(0, |vertex| vertex.0));
             spot(&numbers[..corners.len()])
         };
@@ -31,22 +32,18 @@ impl Overlay<'_> {
         let width = (24.0 / (self.smale.lines.len().max(1) as f64).sqrt()).clamp(0.35, 1.1);
         for line in &self.smale.lines {
             let colour = match line.kind {
-                LineKind::Descending => mix(MINIMUM, INK, 0.35),
-                LineKind::Ascending => mix(MAXIMUM, INK, 0.35),
-                LineKind::Connector => mix(SADDLE, INK, 0.35),
+                LineKind::Descending => mix(MINIMUM, WHITE, 0.4),
+                LineKind::Ascending => mix(MAXIMUM, WHITE, 0.3),
+                LineKind::Connector => SADDLE,
             };
             let spots: Vec<Spot> = line.cells.iter().map(|&cell| place(cell)).collect();
             for step in spots.windows(2).filter(|step| !step[0].is_hidden && !step[1].is_hidden) {
                 canvas.segment(step[0].at, step[1].at, width, colour);
             }
         }
-        let dimension = self.complex.dimension() as u8;
-        for point in self.smale.points.iter().filter(|point| (1..dimension).contains(&point.cell.dimension)) {
+        for point in self.smale.points.iter().filter(|point| (1..self.dimension).contains(&point.cell.dimension)) {
             let spot = place(point.cell);
-            if spot.is_hidden {
-                shown.hidden += 1;
-            } else {
-                canvas.disc(spot.at, 0.8 * radius + 0.6, WHITE);
+            if !spot.is_hidden {
                 draw_mark(canvas, spot.at, 0.7 * radius, SADDLE);
             }
         }
@@ -59,8 +56,9 @@ impl Overlay<'_> {
 /// between saddles, which are amber discs. On curves only the extrema are marked.
 ///
 /// # Arguments
-/// * `complex`: `n` vertices, dimension 1, 2 or 3.
-/// * `smale`: a Morse–Smale complex on it; its extrema are marked, whatever `field` lists.
+/// * `complex`: `n` vertices, dimension 1, 2 or 3: what is coloured.
+/// * `cells`: the same vertices with the cells that `smale` names; `complex` itself, or a grid that it is made of.
+/// * `smale`: a Morse–Smale complex; its extrema are marked, whatever `field` lists.
 /// * `field`: `n` values and a title.
 /// * `options`: width, label, colours.
 ///
@@ -69,12 +67,15 @@ impl Overlay<'_> {
 ///
 /// # Cost
 /// O(n + pixels), and the pixels that lines cover.
-pub fn complex_picture(
+pub fn complex_picture<T: Triangulation>(
     complex: &SimplicialComplex,
+    cells: &T,
     smale: &MorseSmaleComplex,
     field: &FieldView<'_>,
     options: &PictureOptions,
 ) -> Result<Picture, PlotError> {
     let marked = FieldView { minima: smale.minima.extrema(), maxima: smale.maxima.extrema(), ..*field };
-    compose_with(complex, &[&marked], options, Some(&Overlay { complex, smale }))
+    let corners = |cell: Cell| cells.cell_vertices(cell);
+    let overlay = Overlay { smale, dimension: complex.dimension() as u8, corners: &corners };
+    compose_with(complex, &[&marked], options, Some(&overlay))
 }

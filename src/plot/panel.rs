@@ -86,13 +86,12 @@ pub(super) fn draw_field(canvas: &mut Canvas, area: Area, panel: &Panel<'_>, sca
         has_outside = covered < 0.995 * extent[0] * extent[1] * (OVERSAMPLING * OVERSAMPLING) as f64;
     }
     paint(canvas, area, &samples, scale);
-    let mut shown = Shown { has_outside, hidden: 0 };
     if let Some(overlay) = overlay {
         let spot = |vertices: &[u32]| spot(&samples, area, fit, view, vertices);
-        overlay.draw(canvas, &spot, radius, &mut shown);
+        overlay.draw(canvas, &spot, radius);
     }
-    shown.hidden += draw_marks(canvas, area, &samples, fit, view, field, radius);
-    shown
+    let hidden = draw_marks(canvas, area, &samples, fit, view, field, radius);
+    Shown { has_outside, hidden }
 }
 
 /// Centres the view in the rectangle, true to its aspect, with a margin for marks on the rim.

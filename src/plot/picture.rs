@@ -6,7 +6,7 @@ use super::colour::{ColourMap, FAINT_INK, INK, MAXIMUM, MINIMUM, OUTSIDE, Rgb};
 use super::curve::{draw_curve, places};
 use super::error::PlotError;
 use super::file::write_atomically;
-use super::overlay::Overlay;
+use super::overlay::{Overlay, SADDLE};
 use super::panel::{Area, Panel, Scale, draw_field, draw_mark};
 use super::raster::visible_triangles;
 use super::ticks::{number, round_step, ticks};
@@ -245,7 +245,10 @@ fn panels(
     let range = fields.iter().map(|field| range(complex, field.values)).fold((f64::INFINITY, f64::NEG_INFINITY), wider);
     let clipped = range.0 < scale.low || range.1 > scale.high;
     let note = clipped.then(|| format!("all values: {} to {}", number(range.0), number(range.1)));
-    legend(&mut canvas, legend_top, has_outside.then_some("outside, masked"), options, note);
+    let mut also = Vec::new();
+    also.extend(overlay.map(|_| (SADDLE, "saddle")));
+    also.extend(has_outside.then_some((OUTSIDE, "outside, masked")));
+    legend(&mut canvas, legend_top, &also, options, note);
     picture(canvas, options.width, total)
 }
 
@@ -266,7 +269,7 @@ fn charts(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &Pict
         let area = Area { left: MARGIN, top: top + TITLE_HEIGHT, width, height };
         draw_curve(&mut canvas, area, complex, &place, field, (low, high));
     }
-    legend(&mut canvas, total - MARGIN - LEGEND_HEIGHT + 18, None, options, None);
+    legend(&mut canvas, total - MARGIN - LEGEND_HEIGHT + 18, &[], options, None);
     picture(canvas, options.width, total)
 }
 
@@ -326,7 +329,7 @@ fn colour_bar(canvas: &mut Canvas, bar: Area, scale: &Scale) {
     }
 }
 
-fn legend(canvas: &mut Canvas, top: i64, outside: Option<&str>, options: &PictureOptions, note: Option<String>) {
+fn legend(canvas: &mut Canvas, top: i64, also: &[(Rgb, &str)], options: &PictureOptions, note: Option<String>) {
     let middle = (top + LABEL.height() / 2) as f64;
     let mut left = MARGIN;
     let mut say = |canvas: &mut Canvas, colour: Option<Rgb>, text: &str| {
@@ -339,8 +342,8 @@ fn legend(canvas: &mut Canvas, top: i64, outside: Option<&str>, options: &Pictur
     };
     say(canvas, Some(MINIMUM), "minimum");
     say(canvas, Some(MAXIMUM), "maximum");
-    if let Some(outside) = outside {
-        say(canvas, Some(OUTSIDE), outside);
+    for &(colour, text) in also {
+        say(canvas, Some(colour), text);
     }
     if let Some(note) = note {
         say(canvas, None, &note);

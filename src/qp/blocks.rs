@@ -176,10 +176,7 @@ impl<const D: usize, const R: usize> Blocks<D, R> {
         (0..self.len()).into_par_iter().with_min_len(GRAIN).map(size).reduce(|| 0.0, f64::max)
     }
 
-    /// The trace of `A diag(1/d) Aᵀ`: how far the blocks yield to unit forces, each unknown by itself.
-    ///
-    /// # Arguments
-    /// * `stiffness`: d of an unknown; where it is zero, the unknown is left out.
+    /// The trace of `A diag(1/d) Aᵀ`; see [`Rows::compliance`](super::rows::Rows::compliance).
     pub fn compliance(&self, stiffness: impl Fn(usize) -> f64) -> f64 {
         let mut sum = 0.0;
         for (&column, coefficients) in self.columns.iter().zip(&self.coefficients) {

@@ -314,6 +314,15 @@ impl Engine {
         self.factor_values()
     }
 
+    /// Resets the values to a share of the quadratic form.
+    pub(super) fn reset_values_to(&mut self, share: f64) {
+        self.is_factored = false;
+        for ((value, base), &(row, column)) in self.values.iter_mut().zip(&self.base).zip(self.places.iter()) {
+            // The identity on fixed unknowns stays.
+            *value = if row == column && self.is_fixed[row as usize] { *base } else { share * base };
+        }
+    }
+
     /// Factors the values; on a failed pivot with growing relative shifts of the diagonal.
     pub(super) fn factor_values(&mut self) -> Result<(), QpError> {
         self.factorizations += 1;

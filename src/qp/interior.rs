@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::certificate::certificate;
+use super::elastic::Verdict;
 use super::kkt::Measure;
 use super::product::{add, largest};
 use super::rows::Rows;
@@ -12,6 +13,12 @@ use super::{Engine, Iterate, Problem, Progress, QpError, QpStatus, Settings, Sol
 
 /// A solve that stalls with a larger relative gap than this is begun again from another start.
 const RESTART_GAP: f64 = 1e-6;
+
+/// Steps shorter than this, twice in a row, make a contradiction among blocks likely enough to look for.
+const BLOCKED: f64 = 0.05;
+
+/// So many short steps in a row end the search for duals that prove it; the elastic problem takes over.
+const PATIENCE: usize = 4;
 
 /// A direction, or a point, in x, slack and dual.
 #[derive(Clone)]
@@ -51,6 +58,8 @@ pub(super) struct Interior<'a> {
     pub rows: Rows,
     /// The given start fulfils every row: whatever the duals seem to say, there is no contradiction.
     pub is_feasible: bool,
+    /// The elastic problem has been solved already.
+    pub is_suspected: bool,
     pub point: Triple,
     /// `P x + q - Aᵀ z` on the free unknowns.
     pub stationarity: Vec<f64>,
@@ -69,6 +78,8 @@ pub(super) struct Interior<'a> {
     /// x, z and gap of the first iterate near the solution.
     rough: Option<(Vec<f64>, Vec<f64>, f64)>,
     pub solves: usize,
+    /// Factorisations of other matrices on behalf of this solve.
+    pub elsewhere: usize,
     pub timings: Timings,
 }
 
@@ -77,9 +88,9 @@ impl Engine {
     ///
     /// # Arguments
     /// * `problem`: objective and rows inside the engine's pattern.
-    /// * `start`: a point with `A x + b` clearly positive in every row is taken as it is; of any other point, best the minimiser without
-    ///   rows where the caller has it, x is taken and the slacks are lifted. `None` computes that minimiser, for one
-    ///   factorisation more. Entries at fixed unknowns are ignored.
+    /// * `start`: a point with `A x + b` clearly positive in every row is taken as it is. Of any other point, best the minimiser without
+    ///   rows, x is taken, and slacks and duals are split from the violations; where [`Engine::minimise`] was the last call, its factor
+    ///   serves for that, otherwise it is one factorisation more. `None` computes the minimiser. Entries at fixed unknowns are ignored.
     /// * `settings`: tolerances and limits.
     /// * `progress`: called once an iteration.
     ///
@@ -107,8 +118,8 @@ impl Engine {
     /// Solves a problem from the point and duals of a nearby one (a moved value, the next refinement round).
     ///
     /// # Arguments
-    /// * `x`, `dual`: a previous solution, n and m numbers, best one stopped at a relative gap near 1e-3; slacks and duals
-    ///   are lifted off the boundary before the first step.
+    /// * `x`, `dual`: of a previous solution, n and m numbers, best of its [`Solution::restart`]; slacks and duals are lifted off the
+    ///   boundary before the first step.
     ///
     /// # Errors
     /// As [`Engine::solve`].
@@ -122,7 +133,7 @@ impl Engine {
         self.run(problem, Start::Warm { x, dual }, settings, progress)
     }
 
-    fn run(
+    pub(super) fn run(
         &mut self,
         problem: &Problem,
         start: Start<'_>,
@@ -150,9 +161,11 @@ impl Engine {
             trial: Triple::zeros(n, m),
             rough: None,
             solves: 0,
+            elsewhere: 0,
             timings: Timings::default(),
             rows,
             is_feasible: false,
+            is_suspected: false,
             engine: self,
         };
         initial(&mut interior, start)?;
@@ -160,12 +173,14 @@ impl Engine {
             Some(found) => (QpStatus::Infeasible(found), 0),
             None if m == 0 => interior.without_rows(progress),
             None => match interior.iterate(0, progress)? {
+                (QpStatus::Stalled, iterations) if !interior.rows.is_polyhedral() => interior.resume(iterations, progress)?,
                 (QpStatus::Stalled, iterations) => interior.restart(iterations, progress)?,
                 ended => ended,
             },
         };
+        let elsewhere = interior.elsewhere;
         let mut solution = interior.finish(status, iterations);
-        solution.factorizations = self.factorizations() - before;
+        solution.factorizations = self.factorizations() - before + elsewhere;
         solution.timings.total = clock.elapsed().as_secs_f64();
         Ok(solution)
     }
@@ -227,12 +242,37 @@ impl Interior<'_> {
         Ok((status, iterations))
     }
 
+    /// After a stall on blocks: the elastic problem says whether they contradict each other; if it cannot, its point is the next start.
+    fn resume(&mut self, iterations: usize, progress: &mut dyn FnMut(Progress)) -> Result<(QpStatus, usize), QpError> {
+        let before = Measure::of(self);
+        let is_near = before.kkt.duality_gap <= RESTART_GAP && before.kkt.primal <= RESTART_GAP;
+        if is_near || iterations >= self.settings.max_iterations {
+            return Ok((QpStatus::Stalled, iterations));
+        }
+        let stalled = self.point.clone();
+        let verdict = if self.is_feasible { Verdict::Near(stalled.x.clone()) } else { self.elastic()? };
+        let near = match verdict {
+            Verdict::Infeasible(found) => return Ok((QpStatus::Infeasible(found), iterations)),
+            Verdict::Near(x) => x,
+        };
+        // The elastic problem is solved once; a second blockade is the end.
+        self.is_suspected = true;
+        initial(self, Start::Point(&near))?;
+        let (status, iterations) = self.iterate(iterations, progress)?;
+        let is_open = matches!(status, QpStatus::Stalled | QpStatus::IterationLimit);
+        if is_open && Measure::of(self).merit(self.settings) >= before.merit(self.settings) {
+            self.point.copy_from(&stalled);
+        }
+        Ok((status, iterations))
+    }
+
     /// Iterates from the present point, counting from `first`.
     fn iterate(&mut self, first: usize, progress: &mut dyn FnMut(Progress)) -> Result<(QpStatus, usize), QpError> {
         let mut best = self.point.clone();
         let mut best_merit = f64::INFINITY;
         let mut without_progress = 0;
         let mut length = 0.0;
+        let mut blocked = 0;
         for iteration in first..=self.settings.max_iterations {
             let measure = Measure::of(self);
             progress(measure.progress(iteration, length));
@@ -257,6 +297,15 @@ impl Interior<'_> {
             }
             if iteration == self.settings.max_iterations {
                 return Ok((QpStatus::IterationLimit, iteration));
+            }
+            blocked = if length < BLOCKED && iteration > first { blocked + 1 } else { 0 };
+            if blocked >= 2 && !self.rows.is_polyhedral() && !self.is_feasible {
+                if blocked == 2 && let Some(found) = self.projected_certificate()? {
+                    return Ok((QpStatus::Infeasible(found), iteration));
+                }
+                if blocked >= if self.is_suspected { 2 * PATIENCE } else { PATIENCE } {
+                    return Ok((QpStatus::Stalled, iteration));
+                }
             }
             length = if without_progress > 15 { 0.0 } else { self.advance(measure.unit)? };
             if length < 1e-9 || !self.point.is_finite() {

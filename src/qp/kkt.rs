@@ -111,9 +111,9 @@ fn measured(
     for (value, z) in primal.iter().zip(&point.z) {
         gap += z * value;
     }
-    for row in 0..rows.order {
-        most = most.max(point.s[row] * point.z[row]);
-        violation = violation.max(-primal[row]);
+    for ((value, s), z) in primal[..rows.order].iter().zip(&point.s).zip(&point.z) {
+        most = most.max(s * z);
+        violation = violation.max(-value);
     }
     for (part, worst) in
         [(rows.two.rows(), worst_block::<2> as fn(_, _, _) -> _), (rows.three.rows(), worst_block::<3> as fn(_, _, _) -> _)]

@@ -15,6 +15,7 @@ mod blocks;
 mod centred;
 mod certificate;
 mod conflict;
+mod elastic;
 mod engine;
 mod error;
 mod interior;

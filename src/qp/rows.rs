@@ -93,6 +93,7 @@ impl Member {
             conflict: value,
             residual: 0.0,
             relaxations: Vec::new(),
+            least_objective: None,
             ray,
         })
     }
@@ -222,7 +223,10 @@ impl Rows {
         rows.max(self.two.largest_image(x)).max(self.three.largest_image(x))
     }
 
-    /// The trace of `A diag(1/d) Aᵀ` over the nonnegative rows; see [`Blocks::compliance`].
+    /// The trace of `A diag(1/d) Aᵀ`: how far the constraints yield to unit forces, each unknown by itself.
+    ///
+    /// # Arguments
+    /// * `stiffness`: d of an unknown; where it is zero, the unknown is left out.
     pub fn compliance(&self, stiffness: impl Fn(usize) -> f64) -> f64 {
         let one = |row: usize| {
             let (columns, values) = self.matrix.row(row);
@@ -232,7 +236,7 @@ impl Rows {
             });
             parts.sum::<f64>()
         };
-        (0..self.order).map(one).sum()
+        (0..self.order).map(one).sum::<f64>() + self.two.compliance(&stiffness) + self.three.compliance(&stiffness)
     }
 
     /// `y += a Aᵀ z`, rows in order.

@@ -4,13 +4,19 @@ use std::time::Instant;
 
 use super::QpError;
 use super::interior::{Interior, Triple};
-use super::product::dot;
+use super::product::{dot, largest};
 
 /// Most of the centring that a predictor may ask for; a cap saves iterations from a good start (measured).
 const LARGEST_SIGMA: f64 = 0.1;
 
 /// Below this length of the predictor the point is far from the centre, and centring is worth a whole step.
 const BLOCKED: f64 = 0.1;
+
+/// Primal residuals above this share of the slacks count as open: then a blocked predictor asks for more centring.
+const OPEN: f64 = 1e-9;
+
+/// Correctors that always pay where there are blocks: a quarter of the iterations (measured).
+const BLOCK_CORRECTORS: usize = 2;
 
 /// The centre that is aimed at never has a smaller gap than this share of the tolerance: once the gap is closed, the last steps
 /// serve the stationarity, and products of slack and dual near zero would only spoil the matrix.
@@ -42,7 +48,13 @@ impl Interior<'_> {
             after += (self.point.s[row] + reach * self.step.s[row]) * (self.point.z[row] + reach * self.step.z[row]);
         }
         let wanted = (after / degree / mu).powi(3);
-        let sigma = if reach < BLOCKED { wanted } else { wanted.min(LARGEST_SIGMA) };
+        let sigma = if self.rows.is_polyhedral() {
+            if reach < BLOCKED { wanted } else { wanted.min(LARGEST_SIGMA) }
+        } else if largest(&self.primal) > OPEN * self.rows.offset_size.max(largest(&self.point.s)) {
+            wanted.max((1.0 - reach).powi(2))
+        } else {
+            wanted.min(LARGEST_SIGMA)
+        };
         let centre = (sigma * mu).max(CLOSED * self.settings.relative_gap * unit / degree);
         // Corrector: centred, with the full second-order term.
         self.scaling.corrected(&self.rows, centre, (&self.point, &self.step), &mut self.goal);
@@ -69,6 +81,7 @@ impl Interior<'_> {
             ratio if ratio > 400.0 => 1,
             _ => 0,
         };
+        let correctors = if self.rows.is_polyhedral() { correctors } else { correctors.max(BLOCK_CORRECTORS) };
         correctors.min(self.settings.correctors)
     }
 
@@ -99,9 +112,11 @@ impl Interior<'_> {
     }
 
     fn newton(&mut self) {
+        // Metrics of blocks lose more digits than weights of rows (measured: 1e-3 stalls at a gap of 3e-8).
+        let tolerance = if self.rows.is_polyhedral() { 1e-3 } else { 1e-10 };
         let rows = Some((&self.rows, &self.scaling, &mut self.work[..]));
         let (taken, _) =
-            self.engine.solve_refined(&self.problem.objective, rows, &self.side, &mut self.step.x, (1e-3, 4));
+            self.engine.solve_refined(&self.problem.objective, rows, &self.side, &mut self.step.x, (tolerance, 4));
         self.solves += taken;
     }
 

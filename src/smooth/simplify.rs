@@ -94,8 +94,9 @@ pub struct SimplifyReport {
 /// # Returns
 /// One field a selection. Its values are strict under plain `<` along every edge, so they need no second array to order
 /// plateaus. Wanted extrema keep their values. Where the wanted ones were chosen by a threshold, their pairs are those of the
-/// data whose persistence exceeds it, at the same values, as far as `report.pairs` says: where a filled pit or a cut hill
-/// lay across a pass, as channels along the boundary of the domain do, the pass moves by at most the persistence removed.
+/// data whose persistence exceeds it; nearly all die at the same values, all of them on curves, and `report.pairs` counts
+/// them. Where what is removed lies across a pass, mostly along the boundary of the domain, no field may keep both, and
+/// the pass moves.
 ///
 /// # Errors
 /// [`SmoothError`].

@@ -11,7 +11,7 @@ use super::checks::{check_field, constant_components, unit};
 use super::error::SmoothError;
 use super::options::{SelectOn, SmoothOptions};
 use super::pipeline::{SmoothProgress, Smoothed};
-use super::report::{ExtremumCount, Timing};
+use super::report::{ExtremumCount, LengthReport, Timing};
 use super::result::{Shared, smooth_selected};
 use super::select::MeasuredField;
 
@@ -115,6 +115,30 @@ impl<'a> Smoother<'a> {
         let shared = self.share(data, options, progress)?;
         let one = |selection| smooth_selected(&mut self.fitter, &shared, selection, options, progress);
         selections.iter().map(one).collect()
+    }
+
+    /// The field on which extrema are selected, with its extremum pairs: the data, or the unconstrained smooth field.
+    ///
+    /// # Arguments
+    /// * `data`: `n` finite values.
+    /// * `options`: their selection is not used.
+    ///
+    /// # Returns
+    /// The field, and the smoothing length that was used or would be.
+    ///
+    /// # Errors
+    /// As [`Smoother::smooth`].
+    ///
+    /// # Cost
+    /// As [`Smoother::smooth`] up to the selection.
+    pub fn measured(
+        &mut self,
+        data: &[f64],
+        options: &SmoothOptions<'_>,
+        progress: &mut dyn FnMut(SmoothProgress),
+    ) -> Result<(Arc<MeasuredField>, LengthReport), SmoothError> {
+        let shared = self.share(data, options, progress)?;
+        Ok((shared.selected_on, shared.length))
     }
 
     /// What all selections of a field share.

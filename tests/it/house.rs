@@ -29,7 +29,7 @@ const FLOORS: [(&str, usize); 15] = [
 const FORBIDDEN: [(&str, &str); 1] = [("audit", "qp")];
 
 /// Where an outside crate may be named; nowhere else.
-const HOMES: [(&str, &[&str]); 15] = [
+const HOMES: [(&str, &[&str]); 17] = [
     ("faer", &["linalg"]),
     ("petgraph", &["morse", "monotone"]),
     ("spade", &["mesh/delaunay.rs"]),
@@ -39,6 +39,8 @@ const HOMES: [(&str, &[&str]); 15] = [
     ("lzma_rust2", &["io"]),
     ("base64", &["io"]),
     ("vtkio", &["io"]),
+    ("ply_rs_bw", &["io/formats/ply.rs"]),
+    ("stl_io", &["io/formats/stl.rs"]),
     ("plotters", &["plot"]),
     ("plotters_backend", &["plot"]),
     ("image", &["plot"]),

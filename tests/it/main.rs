@@ -5,6 +5,7 @@ mod io;
 mod mesh;
 mod monotone;
 mod datasets;
+mod field;
 mod deform;
 mod house;
 mod audit;

@@ -11,7 +11,7 @@
 use std::time::Instant;
 
 use morsmooth::field::VertexOrder;
-use morsmooth::mesh::{Domain, Grid, Mask};
+use morsmooth::mesh::{Grid, ImplicitGrid};
 use morsmooth::morse::{diagram_of_gradient_by_stage, discrete_gradient};
 
 fn main() {
@@ -29,8 +29,7 @@ fn main() {
 
 fn run(side: usize, noise: f64) {
     let grid = Grid::image([side; 3], [0.0; 3], [1.0; 3]);
-    let domain = Domain::from_grid(&grid, &Mask::none()).unwrap();
-    let mesh = &domain.complex;
+    let mesh = &ImplicitGrid::new(grid).unwrap();
     let values = bumps(side, noise);
     let order = VertexOrder::of_values(&values).unwrap();
     std::fs::write("/proc/self/clear_refs", "5").unwrap();

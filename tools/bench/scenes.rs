@@ -68,11 +68,13 @@ fn disc(cells: usize, radius: f64, degrees: f64, shift: [f64; 2]) -> Scene {
         let from = [point[0] - 0.5, point[1] - 0.5, 0.0];
         let outer = point[..2].iter().any(|&part| part == 0.0 || (part - 1.0).abs() < 1e-12);
         if outer {
-            (handles.push(vertex.into()), targets.push(point));
+            handles.push(vertex.into());
+            targets.push(point);
             angles[vertex] = Some(0.0);
         } else if from[0].hypot(from[1]) <= radius * (1.0 + 1e-9) {
             let to = rotated(&matrix, from);
-            (handles.push(vertex.into()), targets.push([0.5 + to[0] + shift[0], 0.5 + to[1] + shift[1], 0.0]));
+            handles.push(vertex.into());
+            targets.push([0.5 + to[0] + shift[0], 0.5 + to[1] + shift[1], 0.0]);
             angles[vertex] = Some(angle);
         }
     }
@@ -138,33 +140,35 @@ pub fn ball(cells: usize) -> Scene {
         let axis = (p[0] - 0.5).hypot(p[1] - 0.5);
         let height = (p[2] - 0.5).abs();
         if height <= 0.6 * step && axis >= 0.5 - 0.75 * step {
-            (handles.push(vertex.into()), targets.push([0.5 + 0.3 * (p[0] - 0.5), 0.5 + 0.3 * (p[1] - 0.5), p[2]]));
+            handles.push(vertex.into());
+            targets.push([0.5 + 0.3 * (p[0] - 0.5), 0.5 + 0.3 * (p[1] - 0.5), p[2]]);
         } else if height >= 0.5 - 0.6 * step {
-            (handles.push(vertex.into()), targets.push(p));
+            handles.push(vertex.into());
+            targets.push(p);
         }
     }
     let identity = vec![turn(0.0); complex.simplex_count()];
     Scene { complex, handles, targets, rotations: identity }
 }
 
-/// A bar of `length x width x width` cubes bent along a circle by an angle; its end faces are held.
+/// A bar of `length x width x width` cubes and length 1 folded like a hinge by an angle; its ends, up to 0.2 from the middle, are
+/// turned by half of it each about the middle, and so crush what is between them on the inner side.
 pub fn bar(length: usize, width: usize, degrees: f64) -> Scene {
+    const FREE: f64 = 0.2;
     let step = 1.0 / length as f64;
     let complex = solid([length, width, width], step, |_| true);
-    let angle = degrees.to_radians();
-    let centre = width as f64 * step / 2.0;
-    let radius = 1.0 / angle;
+    let middle = [0.5, width as f64 * step / 2.0, 0.0];
+    let angle = |x: f64| degrees.to_radians() * ((x - 0.5) / FREE).clamp(-1.0, 1.0) / 2.0;
     let (mut handles, mut targets) = (Vec::new(), Vec::new());
     for (vertex, &p) in complex.points().iter().enumerate() {
-        if p[0] == 0.0 || (p[0] - 1.0).abs() < 1e-12 {
-            let (sine, cosine) = (angle * (p[0] - 0.5)).sin_cos();
-            // The middle line keeps its length; the section stays at right angles to it.
-            let off = p[1] - centre;
-            targets.push([(radius - off) * sine, radius - (radius - off) * cosine, p[2]]);
+        if (p[0] - 0.5).abs() >= FREE - 1e-12 {
+            let from = std::array::from_fn(|axis| p[axis] - middle[axis]);
+            let to = rotated(&turn(angle(p[0])), from);
+            targets.push(std::array::from_fn(|axis| middle[axis] + to[axis]));
             handles.push(vertex.into());
         }
     }
     let mean = |corners: &[u32]| corners.iter().map(|&v| complex.points()[v as usize][0]).sum::<f64>() / 4.0;
-    let rotations = complex.simplices().chunks(4).map(|corners| turn(angle * (mean(corners) - 0.5))).collect();
+    let rotations = complex.simplices().chunks(4).map(|corners| turn(angle(mean(corners)))).collect();
     Scene { complex, handles, targets, rotations }
 }

@@ -15,6 +15,7 @@
 #![allow(clippy::print_stderr)]
 
 #[path = "../test_set/export.rs"]
+#[allow(dead_code)]
 mod export;
 
 use std::collections::HashMap;

@@ -4,7 +4,7 @@
 Usage:  python tools/pictures/readme.py [--program target/release/morsmooth]
 Needs:  pip install pillow
 
-Runs the README's commands with --plots and keeps before_after.png of each, reduced to 128 colours.
+Runs the README's commands with --plots and keeps before_after.png or complex.png of each, reduced to 128 colours.
 """
 import argparse
 import os
@@ -15,9 +15,11 @@ from PIL import Image
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.join(HERE, "..", "..")
+# name: command, its output, its options, the picture that it draws
 RUNS = {
-    "jet_select_smooth.png": ["--select", "smooth", "--persistence", "10%"],
-    "jet_select_data.png": ["--select", "data", "--persistence", "20%"],
+    "jet_select_smooth.png": ("smooth", "out.vti", ["--select", "smooth", "--persistence", "10%"], "before_after.png"),
+    "jet_select_data.png": ("smooth", "out.vti", ["--select", "data", "--persistence", "20%"], "before_after.png"),
+    "jet_complex.png": ("complex", "complex", ["--persistence", "20%"], "complex.png"),
 }
 
 
@@ -25,14 +27,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=os.path.join(ROOT, "target", "release", "morsmooth"))
     program = parser.parse_args().program
-    for name, options in RUNS.items():
+    for name, (command, output, options, drawn) in RUNS.items():
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run(
-                [program, "smooth", os.path.join(ROOT, "datasets", "jet.vti"), os.path.join(folder, "out.vti"),
+                [program, command, os.path.join(ROOT, "datasets", "jet.vti"), os.path.join(folder, output),
                  "--array", "vorticity_magnitude", "--mask", "valid", *options, "--plots", folder, "--quiet"],
                 check=True,
             )
-            picture = Image.open(os.path.join(folder, "before_after.png")).convert("RGB")
+            picture = Image.open(os.path.join(folder, drawn)).convert("RGB")
             picture = picture.resize((1200, round(1200 * picture.height / picture.width)), Image.LANCZOS)
             picture.quantize(128, dither=Image.Dither.NONE).save(os.path.join(HERE, name), optimize=True)
             print(name, os.path.getsize(os.path.join(HERE, name)), "bytes")

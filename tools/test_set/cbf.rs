@@ -11,30 +11,31 @@ use super::scenes::Scene;
 
 /// Writes `minimise t subject to (t, 1, G x - h) in the rotated cone (2 t >= |G x - h|²), S_i(x) positive semi-definite`.
 ///
-/// G and h are the square roots of the energy: `√v_i (F_i - R_i)` for every element, `√(2 alpha) (x - d)` for every handle; t is the
-/// energy, constant included. Variables are t, then x. Matrices are written unscaled, lower triangles.
+/// G and h are the square roots of the energy: `√v_i (F_i - R_i)` for every element, `√(2 alpha) x` for every handle, over
+/// displacements x from targets and rest positions; t is the energy, constant included. Variables are t, then x. Matrices are written unscaled, lower triangles.
 pub fn write(path: &Path, scene: &Scene, options: DeformOptions, problem: &Problem) -> Result<(), Box<dyn Error>> {
     let Hold::Soft { alpha } = options.hold else { return Err("hard handles have no place in this export".into()) };
     let deformer = scene.deformer(options);
     let rest = deformer.rest();
+    let reference = deformer.reference(&scene.targets)?;
+    let gradients = rest.deformation_gradients(&reference)?;
     let dimension = rest.dimension();
     let (mut entries, mut sides) = (Vec::new(), Vec::new());
-    for element in 0..rest.element_count() {
+    for (element, (stretch, turn)) in gradients.iter().zip(&scene.rotations).enumerate() {
         let root = rest.measures()[element].sqrt();
-        for axis in 0..dimension {
+        for (axis, (stretch, turn)) in stretch.iter().zip(turn).enumerate().take(dimension) {
             for column in 0..dimension {
                 for (&vertex, gradient) in rest.corners(element).iter().zip(rest.gradients(element)) {
                     entries.push((sides.len() + 2, vertex as usize * dimension + axis + 1, root * gradient[column]));
                 }
-                sides.push(-root * scene.rotations[element][axis][column]);
+                sides.push(root * (stretch[column] - turn[column]));
             }
         }
     }
-    for (vertex, target) in scene.handles.iter().zip(&scene.targets) {
-        for (axis, part) in target.iter().enumerate().take(dimension) {
-            let root = (2.0 * alpha).sqrt();
-            entries.push((sides.len() + 2, vertex.index() * dimension + axis + 1, root));
-            sides.push(-root * part);
+    for vertex in &scene.handles {
+        for axis in 0..dimension {
+            entries.push((sides.len() + 2, vertex.index() * dimension + axis + 1, (2.0 * alpha).sqrt()));
+            sides.push(0.0);
         }
     }
     let constraints = &problem.constraints;

@@ -19,7 +19,7 @@ pub struct Made {
     pub problem: Problem,
     /// A place for each unknown.
     pub coordinates: Vec<[f64; 3]>,
-    /// A strictly feasible point.
+    /// Where the solve begins: the minimiser without cones, or a strictly feasible point.
     pub start: Option<Vec<f64>>,
 }
 
@@ -87,13 +87,16 @@ pub fn noisy(complex: &SimplicialComplex, bumps: usize, apart: f64, random: &mut
 /// The problem of smoothing noisy data to the extrema that are prominent in the unconstrained smooth field; their values are kept.
 ///
 /// The order of the vertices is that of the minimiser pinned at these extrema, simplified.
-pub fn smoothing(complex: &SimplicialComplex, data: &[f64], order: usize) -> Result<Made, Box<dyn Error>> {
+///
+/// # Arguments
+/// * `threshold`: persistence of what is prominent, as a part of the range.
+pub fn smoothing(complex: &SimplicialComplex, data: &[f64], order: usize, threshold: f64) -> Result<Made, Box<dyn Error>> {
     let operators = Operators::new(complex)?;
     let mut fitter = Fitter::new(complex, &operators, order)?;
     let length = LENGTH * complex.bounding_box_diagonal();
     let weights = EnergyWeights { order, length, confidence: None, smoothness: None };
     let measured = MeasuredField::new(complex, fitter.minimiser(data, &weights, &vec![None; data.len()])?)?;
-    let wanted = select_extrema(complex, &measured, &Selection::Threshold(Threshold::Fraction(0.1)))?.wanted;
+    let wanted = select_extrema(complex, &measured, &Selection::Threshold(Threshold::Fraction(threshold)))?.wanted;
     let pins = pins(complex, &wanted, |vertex| measured.values[vertex]);
     let pinned = fitter.minimiser(data, &weights, &pins)?;
     let representative = representative(complex, &VertexOrder::of_values(&pinned)?, &wanted)?.order;

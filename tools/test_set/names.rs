@@ -11,13 +11,13 @@ use super::scenes::{self, Scene};
 /// The twelve, from small to large.
 pub const TWELVE: [&str; 12] = [
     "grid-5041-data-k2",
-    "series-5000-data-k3",
+    "series-1000-data-k3",
     "grid-7396-nodata-k3",
     "deform-quad-40",
     "deform-swirl-180",
     "grid-15129-data-k2",
     "grid-15129-nodata-k2",
-    "deform-bar-120",
+    "deform-bar-170",
     "volume-13824-data-k2",
     "torus-20000-data-k2",
     "grid-58081-data-k2",
@@ -37,24 +37,25 @@ pub fn make(name: &str) -> Result<(Made, Option<Scene>), Box<dyn Error>> {
         "grid" if parts[2] == "data" => {
             let complex = fields::plane(square(number(1)?), &mut random);
             let data = fields::noisy(&complex, 15, 0.17, &mut random);
-            fields::smoothing(&complex, &data, order(&parts)?)?
+            fields::smoothing(&complex, &data, order(&parts)?, 0.1)?
         }
         "grid" => fields::without_data(&fields::plane(square(number(1)?), &mut random), order(&parts)?)?,
         "series" => {
             let complex = fields::series(number(1)?);
             let data = fields::noisy(&complex, 9, 0.08, &mut random);
-            fields::smoothing(&complex, &data, order(&parts)?)?
+            // Fewer extrema than the smooth field has, so that rows are active.
+            fields::smoothing(&complex, &data, order(&parts)?, 0.5)?
         }
         "torus" => {
             let across = square(number(1)? / 2);
             let complex = fields::torus(2 * across, across);
             let data = fields::noisy(&complex, 18, 0.45, &mut random);
-            fields::smoothing(&complex, &data, order(&parts)?)?
+            fields::smoothing(&complex, &data, order(&parts)?, 0.1)?
         }
         "volume" => {
             let complex = fields::volume((number(1)? as f64).cbrt().round() as usize);
             let data = fields::noisy(&complex, 12, 0.35, &mut random);
-            fields::smoothing(&complex, &data, order(&parts)?)?
+            fields::smoothing(&complex, &data, order(&parts)?, 0.1)?
         }
         "deform" => {
             let scene = match parts[1] {

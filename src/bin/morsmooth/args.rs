@@ -28,6 +28,18 @@ pub enum Command {
     Smooth(Box<SmoothArgs>),
     /// Write the field itself with exactly the wanted minima and maxima: topological simplification, nothing is smoothed.
     Simplify(Box<crate::simplify::SimplifyArgs>),
+    /// Write the persistence diagram, draw the persistence curve, and suggest thresholds.
+    ///
+    /// Two things are told, and they differ. The table and the curve count extremum pairs: dimension 0 of the field (minima) and of
+    /// the negated field (maxima). They decide what 'smooth' and 'simplify' keep, and include extrema on the boundary of the
+    /// domain. The diagram file is that of the sublevel sets in all dimensions, as TTK and GUDHI compute it: a maximum on the
+    /// boundary fills no hole of a sublevel set, so it is not in it, while the saddle–saddle pairs of a volume are. On closed
+    /// surfaces both list the same maxima.
+    ///
+    /// A threshold is suggested where the curve is flat on a logarithmic axis. Noise and features differ in persistence by a factor,
+    /// not by an amount: a plateau from a to b says that the threshold may be off by the factor b/a without any effect. The
+    /// widest differences are listed as well; they favour the few largest extrema, which are far apart in any field.
+    Persistence(Box<crate::persistence::PersistenceArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
     /// Write the Morse–Smale complex: critical points, separatrices, segmentation, in the layout of TTK.
@@ -35,6 +47,8 @@ pub enum Command {
     /// Three files in the output directory, named after the input: ...CriticalPoints.vtp, ...1Separatrices.vtp, and
     /// ...Segmentation with the input and three more arrays. Without a threshold the complex is not simplified.
     Complex(crate::complex::ComplexArgs),
+    /// Write a data set in another format, with a warning for everything that the format cannot hold.
+    Convert(ConvertArgs),
 }
 
 /// Which field of which file, on which part of the domain.
@@ -283,6 +297,20 @@ pub struct CheckArgs {
     /// values that it kept. Its mask is used unless --mask names another.
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["minima", "maxima"])]
     pub against: Option<PathBuf>,
+
+    /// What is said, and threads.
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// `morsmooth convert`.
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// File to read: .vti .vtu .vtp .vtr .vts .vtk, or a mesh: .obj .off .ply .stl .mesh .msh.
+    pub input: PathBuf,
+
+    /// File to write; its extension, one of the same, chooses the format.
+    pub output: PathBuf,
 
     /// What is said, and threads.
     #[command(flatten)]

@@ -1,25 +1,29 @@
 //! `morsmooth complex`: the Morse–Smale complex in TTK's layout.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use morsmooth::field::VertexOrder;
-use morsmooth::io::{ArrayData, DataArray, DataSet, Numbering, PendingFile, TtkComplex, TtkError, is_same_file, write_temporary};
+use morsmooth::io::{
+    ArrayData, DataArray, DataSet, MaskSources, Numbering, PendingFile, TtkComplex, TtkError, grid, is_same_file, mask, read,
+    write_temporary,
+};
+use morsmooth::mesh::{ImplicitGrid, Mask, Triangulation};
 use morsmooth::monotone::Precision;
 use morsmooth::morse::{
-    ExtremumKind, LineKind, MorseError, MorseHierarchy, MorseSmaleComplex, Selection, Threshold, extremum_pairs, range, select,
+    ExtremumKind, MorseError, MorseHierarchy, MorseSmaleComplex, SaddlePairs, Selection, Threshold, extremum_pairs, range,
+    select,
 };
-use serde_json::{Value, json};
 
 use crate::Outcome;
 use crate::args::{FieldArgs, TalkArgs, fraction};
+use crate::complex_report::ComplexJob;
 use crate::failure::Failure;
-use crate::input::FieldInput;
-use crate::number::short;
+use crate::input::{FieldInput, choose};
 use crate::output::{check_directory, check_report};
-use crate::report::{header, write_report};
+use crate::report::write_report;
 use crate::talk::Talk;
 
 /// `morsmooth complex`.
@@ -36,6 +40,10 @@ pub struct ComplexArgs {
     #[command(flatten)]
     pub level: LevelArgs,
 
+    /// Pairs of a 1-saddle and a 2-saddle in 3-D: cancel those that one V-path connects, or keep them all.
+    #[arg(long, value_enum, default_value_t = SaddlesKind::Cancel)]
+    pub saddles: SaddlesKind,
+
     /// Draw the field with its critical points and separatrices (complex.png) into this directory.
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
@@ -43,6 +51,15 @@ pub struct ComplexArgs {
     /// What is said, and threads.
     #[command(flatten)]
     pub talk: TalkArgs,
+}
+
+/// Values of `--saddles`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SaddlesKind {
+    /// They cancel where one V-path connects them.
+    Cancel,
+    /// They stay.
+    Keep,
 }
 
 /// How far the complex is simplified; not at all by default.
@@ -73,53 +90,137 @@ impl LevelArgs {
     }
 }
 
+/// A field with all that is said of it, whatever its cells are.
+pub struct Field {
+    /// The file.
+    pub path: PathBuf,
+    /// All of it.
+    pub dataset: Rc<DataSet>,
+    /// The field on the points of the file, in the type and under the name of its array.
+    pub scalar: DataArray,
+    /// The mask asked for.
+    pub mask: Option<String>,
+    /// Value at every vertex.
+    pub values: Vec<f64>,
+    /// What was found and handled.
+    pub notes: Vec<String>,
+}
+
 /// Runs the command.
 pub fn run(args: &ComplexArgs) -> Result<Outcome, Failure> {
-    let begin = Instant::now();
-    let stem = args.field.input.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     check_directory(Some(&args.output))?;
     check_report(args.talk.report.as_deref(), &[&args.field.input])?;
     check_directory(args.plots.as_deref())?;
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
-    let input = FieldInput::load(&args.field)?;
-    input.notes.iter().for_each(|note| talk.line(&format!("note: {note}")));
-    let targets = ["CriticalPoints.vtp", "1Separatrices.vtp", &format!("Segmentation.{}", input.dataset.geometry.extension())]
-        .map(|name| args.output.join(format!("{stem}{name}")));
+    let dataset = Rc::new(read(&args.field.input).map_err(|error| Failure::usage(error.to_string()))?);
+    let array = choose(&dataset, &args.field)?;
+    let ttk = |error: TtkError| Failure::file(&args.field.input, error);
+    if let Some((grid, field)) = whole_grid(args, &dataset, array)? {
+        let numbering = Numbering::of_points(grid.vertex_count()).map_err(ttk)?;
+        return work(&Run { args, field: &field, talk: &talk }, &grid, numbering, &|job| match &args.plots {
+            // Pictures need the cells.
+            Some(directory) => {
+                let input = FieldInput::of_array(&dataset, array, &args.field, None)?;
+                crate::pictures::complex(directory, job, &input.domain.complex, &grid)
+            }
+            None => Ok(()),
+        });
+    }
+    let input = FieldInput::of_array(&dataset, array, &args.field, None)?;
+    let field = Field {
+        path: input.path.clone(),
+        dataset: Rc::clone(&dataset),
+        scalar: scalar(&input),
+        mask: input.mask.clone(),
+        values: input.values.clone(),
+        notes: input.notes.clone(),
+    };
+    let numbering = Numbering::new(&input.domain).map_err(ttk)?;
+    let complex = &input.domain.complex;
+    work(&Run { args, field: &field, talk: &talk }, complex, numbering, &|job| match &args.plots {
+        Some(directory) => crate::pictures::complex(directory, job, complex, complex),
+        None => Ok(()),
+    })
+}
+
+/// The field on a grid of which nothing is masked, whose cells need not be stored.
+fn whole_grid(args: &ComplexArgs, dataset: &Rc<DataSet>, array: &DataArray) -> Result<Option<(ImplicitGrid, Field)>, Failure> {
+    if args.field.derive.is_some() {
+        return Ok(None);
+    }
+    let sources =
+        MaskSources { array: args.field.mask.clone(), holes: vec![array.name.clone()], ..MaskSources::default() };
+    let kept = mask(dataset, &sources).map_err(|error| Failure::file(&args.field.input, error))?;
+    let values = array.to_f64(0);
+    if kept != Mask::none() || values.iter().any(|value| !value.is_finite()) {
+        return Ok(None);
+    }
+    // Whatever a grid is refused for, the domain of stored cells says it in the usual words.
+    let grid = grid(dataset).and_then(|grid| ImplicitGrid::new(grid).ok());
+    Ok(grid.map(|grid| {
+        let field = Field {
+            path: args.field.input.clone(),
+            dataset: Rc::clone(dataset),
+            scalar: array.clone(),
+            mask: args.field.mask.clone(),
+            values,
+            notes: Vec::new(),
+        };
+        (grid, field)
+    }))
+}
+
+struct Run<'a> {
+    args: &'a ComplexArgs,
+    field: &'a Field,
+    talk: &'a Talk,
+}
+
+/// Computes, writes, draws, reports.
+fn work<T: Triangulation>(
+    &Run { args, field, talk }: &Run<'_>,
+    triangulation: &T,
+    numbering: Numbering<'_>,
+    draw: &dyn Fn(&ComplexJob<'_>) -> Result<(), Failure>,
+) -> Result<Outcome, Failure> {
+    let begin = Instant::now();
+    field.notes.iter().for_each(|note| talk.line(&format!("note: {note}")));
+    let stem = field.path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let segmentation = format!("Segmentation.{}", field.dataset.geometry.extension());
+    let targets = ["CriticalPoints.vtp", "1Separatrices.vtp", &segmentation].map(|name| args.output.join(format!("{stem}{name}")));
     check_targets(args, &targets)?;
 
     talk.stage("discrete gradient");
-    let morse = |error: MorseError| Failure::file(&input.path, error);
-    let order = VertexOrder::of_values(&input.values).map_err(|error| Failure::file(&input.path, error))?;
-    let mut hierarchy = MorseHierarchy::new(&input.domain.complex, &input.values, &order).map_err(morse)?;
+    let morse = |error: MorseError| Failure::file(&field.path, error);
+    let order = VertexOrder::of_values(&field.values).map_err(|error| Failure::file(&field.path, error))?;
+    let selection = args.level.selection();
+    let saddles = match args.saddles {
+        SaddlesKind::Cancel if selection.is_some() => SaddlePairs::Cancel,
+        SaddlesKind::Cancel | SaddlesKind::Keep => SaddlePairs::Keep,
+    };
+    let mut hierarchy = MorseHierarchy::new(triangulation, &field.values, &order, saddles).map_err(morse)?;
     let unsimplified = hierarchy.gradient().critical_counts();
     talk.stage("simplification");
-    let threshold = simplify(args, &input, &mut hierarchy).map_err(morse)?;
+    let threshold = simplify(selection.as_ref(), &field.values, &mut hierarchy).map_err(morse)?;
     talk.stage("separatrices and segmentation");
     let complex = MorseSmaleComplex::new(&hierarchy);
+    drop(hierarchy);
     let seconds = begin.elapsed().as_secs_f64();
 
     talk.stage("writing");
-    let ttk = |error: TtkError| Failure::file(&input.path, error);
-    let scalar = scalar(&input);
-    let layout = TtkComplex {
-        triangulation: &input.domain.complex,
-        order: &order,
-        scalar: &scalar,
-        complex: &complex,
-        numbering: Numbering::new(&input.domain).map_err(ttk)?,
-    };
+    let ttk = |error: TtkError| Failure::file(&field.path, error);
+    let layout = TtkComplex { triangulation, order: &order, scalar: &field.scalar, complex: &complex, numbering };
     let files = [
         layout.critical_points().map_err(ttk)?,
         layout.separatrices().map_err(ttk)?,
-        layout.segmentation(&input.dataset).map_err(ttk)?,
+        layout.segmentation(&field.dataset).map_err(ttk)?,
     ];
-    let job = Job { input: &input, complex: &complex, unsimplified, threshold, targets: &targets, seconds };
     write_all(&args.output, &targets, &files)?;
-    if let Some(directory) = &args.plots {
-        talk.stage("pictures");
-        crate::pictures::complex(directory, &input, &complex)?;
-    }
+    let cells = [0, 1, 2, 3].map(|dimension| triangulation.cell_count(dimension));
+    let dimension = triangulation.dimension();
+    let job = ComplexJob { field, complex: &complex, cells, dimension, unsimplified, threshold, targets: &targets, seconds };
+    draw(&job)?;
     talk.finish();
     if let Some(path) = &args.talk.report {
         write_report(path, &job.to_json())?;
@@ -145,19 +246,23 @@ fn check_targets(args: &ComplexArgs, targets: &[PathBuf]) -> Result<(), Failure>
 }
 
 /// Simplifies as asked; the threshold in the units of the field, where there is one.
-fn simplify(args: &ComplexArgs, input: &FieldInput, hierarchy: &mut MorseHierarchy<'_>) -> Result<Option<f64>, MorseError> {
-    let Some(selection) = args.level.selection() else { return Ok(None) };
+fn simplify<T: Triangulation>(
+    selection: Option<&Selection>,
+    values: &[f64],
+    hierarchy: &mut MorseHierarchy<'_, T>,
+) -> Result<Option<f64>, MorseError> {
+    let Some(selection) = selection else { return Ok(None) };
     let (complex, order) = (hierarchy.complex(), hierarchy.order());
     let [minima, maxima] =
         [ExtremumKind::Minimum, ExtremumKind::Maximum].map(|kind| extremum_pairs(complex, order, kind));
-    match &selection {
+    match selection {
         Selection::Threshold(threshold) => {
-            let resolved = threshold.resolve(range(&minima, &maxima, &input.values))?;
+            let resolved = threshold.resolve(range(&minima, &maxima, values))?;
             hierarchy.at(resolved);
             Ok(Some(resolved))
         }
         Selection::Count(_) | Selection::Set(_) => {
-            hierarchy.keeping(&select(&minima, &maxima, &input.values, &selection)?);
+            hierarchy.keeping(&select(&minima, &maxima, values, selection)?);
             Ok(None)
         }
     }
@@ -185,101 +290,4 @@ fn write_all(directory: &Path, targets: &[PathBuf], files: &[DataSet]) -> Result
     let pending: Vec<PendingFile> =
         targets.iter().zip(files).map(|(target, file)| write_temporary(target, file).map_err(refused)).collect::<Result<_, _>>()?;
     pending.into_iter().try_for_each(|file| file.commit().map_err(refused))
-}
-
-struct Job<'a> {
-    input: &'a FieldInput,
-    complex: &'a MorseSmaleComplex,
-    unsimplified: [usize; 4],
-    threshold: Option<f64>,
-    targets: &'a [PathBuf],
-    seconds: f64,
-}
-
-/// What critical points of each dimension are called.
-fn names(dimension: usize) -> Vec<&'static str> {
-    match dimension {
-        1 => vec!["minima", "maxima"],
-        2 => vec!["minima", "saddles", "maxima"],
-        _ => vec!["minima", "1-saddles", "2-saddles", "maxima"],
-    }
-}
-
-impl Job<'_> {
-    fn dimension(&self) -> usize {
-        self.input.domain.complex.dimension()
-    }
-
-    fn lines(&self, kind: LineKind) -> usize {
-        self.complex.lines.iter().filter(|line| line.kind == kind).count()
-    }
-
-    fn to_json(&self) -> Value {
-        let counts = |counts: [usize; 4]| -> Value {
-            names(self.dimension()).into_iter().zip(counts).map(|(name, count)| (name.to_owned(), json!(count))).collect()
-        };
-        let mut report = header(self.input);
-        report["threshold"] = json!(self.threshold);
-        report["critical_cells_unsimplified"] = counts(self.unsimplified);
-        report["critical_points"] = counts(self.complex.counts);
-        report["maxima_on_the_boundary_only"] = json!(self.complex.boundary_maxima);
-        report["separatrices"] = json!({
-            "descending": self.lines(LineKind::Descending),
-            "ascending": self.lines(LineKind::Ascending),
-            "saddle_connectors": self.lines(LineKind::Connector),
-            "tangled_saddle_pairs": self.complex.tangled,
-        });
-        report["segments"] = json!({
-            "minima": self.complex.minima.extrema().len(),
-            "maxima": self.complex.maxima.extrema().len(),
-            "both": self.complex.regions.pairs().len(),
-        });
-        report["outputs"] = self.targets.iter().map(|target| target.display().to_string()).collect();
-        report["seconds"] = json!({ "read_and_compute": self.seconds });
-        report
-    }
-
-    /// The summary, on standard output; a closed pipe is not an error.
-    fn print(&self) {
-        let list = |counts: [usize; 4]| {
-            let named = names(self.dimension()).into_iter().zip(counts);
-            named.map(|(name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
-        };
-        let (low, high) = self.input.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
-        let mut lines = vec![
-            ("field", format!("{} on {} vertices, values {} to {}", self.input.name, self.input.values.len(), short(low), short(high))),
-            ("critical cells", list(self.unsimplified)),
-        ];
-        let rule = self.threshold.map_or(String::new(), |threshold| format!(" (persistence above {})", short(threshold)));
-        lines.push(("kept", format!("{}{rule}", list(self.complex.counts))));
-        if self.complex.boundary_maxima > 0 {
-            lines.push(("", format!("{} of the maxima are on the boundary, where no cell is critical", self.complex.boundary_maxima)));
-        }
-        let connectors = match self.dimension() {
-            3 => format!(", {} saddle connectors", self.lines(LineKind::Connector)),
-            _ => String::new(),
-        };
-        lines.push((
-            "separatrices",
-            format!("{} descending, {} ascending{connectors}", self.lines(LineKind::Descending), self.lines(LineKind::Ascending)),
-        ));
-        if self.complex.tangled > 0 {
-            lines.push(("", format!("{} pairs of saddles have too many V-paths between them to draw one", self.complex.tangled)));
-        }
-        lines.push((
-            "segments",
-            format!(
-                "{} of minima, {} of maxima, {} of both",
-                self.complex.minima.extrema().len(),
-                self.complex.maxima.extrema().len(),
-                self.complex.regions.pairs().len()
-            ),
-        ));
-        lines.push(("time", format!("{:.2} s", self.seconds)));
-        lines.extend(self.targets.iter().map(|target| ("output", target.display().to_string())));
-        let mut stdout = std::io::stdout().lock();
-        for (what, text) in lines {
-            let _ = writeln!(stdout, "{what:<15} {text}");
-        }
-    }
 }

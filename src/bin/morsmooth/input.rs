@@ -72,7 +72,7 @@ impl FieldInput {
     }
 
     /// The field of one array; `near` is another one of the same file, whose domain may be the same.
-    fn of_array(dataset: &Rc<DataSet>, array: &DataArray, args: &FieldArgs, near: Option<&Self>) -> Result<Self, Failure> {
+    pub fn of_array(dataset: &Rc<DataSet>, array: &DataArray, args: &FieldArgs, near: Option<&Self>) -> Result<Self, Failure> {
         let sources =
             MaskSources { array: args.mask.clone(), holes: vec![array.name.clone()], ..MaskSources::default() };
         let file = |error: &dyn std::fmt::Display| Failure::file(&args.input, error);
@@ -207,9 +207,9 @@ fn fits(pattern: &str, name: &str) -> bool {
     fits[0] = true;
     for wanted in pattern {
         let before = fits.clone();
-        for place in 0..fits.len() {
+        for (place, &so_far) in before.iter().enumerate() {
             fits[place] = match wanted {
-                '*' => before[place] || place > 0 && fits[place - 1],
+                '*' => so_far || place > 0 && fits[place - 1],
                 _ => place > 0 && before[place - 1] && (wanted == '?' || wanted == name[place - 1]),
             };
         }
@@ -228,7 +228,8 @@ fn candidates<'a>(dataset: &'a DataSet, args: &'a FieldArgs) -> impl Iterator<It
     })
 }
 
-fn choose<'a>(dataset: &'a DataSet, args: &'a FieldArgs) -> Result<&'a DataArray, Failure> {
+/// The array that is meant.
+pub fn choose<'a>(dataset: &'a DataSet, args: &'a FieldArgs) -> Result<&'a DataArray, Failure> {
     let file = |text: String| Failure::file(&args.input, text);
     let found: Vec<&DataArray> = candidates(dataset, args).collect();
     let wanted = if args.derive.is_some() { "vector" } else { "scalar" };

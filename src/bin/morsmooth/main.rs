@@ -4,12 +4,15 @@
 mod args;
 mod check;
 mod complex;
+mod complex_report;
+mod convert;
 mod extrema;
 mod failure;
 mod info;
 mod input;
 mod number;
 mod output;
+mod persistence;
 mod pictures;
 mod report;
 mod simplify;
@@ -58,8 +61,10 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
         Command::Simplify(args) => args.talk.threads,
+        Command::Persistence(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
+        Command::Convert(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
         if threads == 0 {
@@ -75,7 +80,9 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),
         Command::Simplify(args) => simplify::run(args),
+        Command::Persistence(args) => persistence::run(args),
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),
+        Command::Convert(args) => convert::run(args),
     }
 }

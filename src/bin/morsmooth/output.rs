@@ -51,7 +51,7 @@ pub fn check_directory(directory: Option<&Path>) -> Result<(), Failure> {
 }
 
 /// Whether two paths name the same file, which need not exist yet.
-fn is_same_place(a: &Path, b: &Path) -> bool {
+pub fn is_same_place(a: &Path, b: &Path) -> bool {
     is_same_file(a, b) || (a.file_name() == b.file_name() && is_same_file(&parent(a), &parent(b)))
 }
 

@@ -4,13 +4,15 @@ use std::path::Path;
 
 use morsmooth::audit::extrema as extrema_of;
 use morsmooth::field::VertexId;
-use morsmooth::morse::{ExtremumPair, MorseSmaleComplex};
+use morsmooth::mesh::{SimplicialComplex, Triangulation};
+use morsmooth::morse::ExtremumPair;
 use morsmooth::plot::{
-    DiagramPoint, FieldView, PictureOptions, PlotError, before_after, complex_picture, field_picture, persistence_curve, persistence_diagram,
-    write_atomically,
+    CurveChart, DiagramPoint, FieldView, PictureOptions, PlotError, before_after, complex_picture, field_picture, persistence_curve,
+    persistence_diagram, write_atomically,
 };
 use morsmooth::smooth::{MeasuredField, SelectOn};
 
+use crate::complex_report::ComplexJob;
 use crate::failure::Failure;
 use crate::input::FieldInput;
 use crate::report::{SmoothJob, persistences};
@@ -43,6 +45,11 @@ pub fn smooth(directory: &Path, job: &SmoothJob<'_>) -> Result<(), Failure> {
 
 /// The field, its persistence curve and diagram.
 pub fn extrema(directory: &Path, input: &FieldInput, field: &MeasuredField) -> Result<(), Failure> {
+    persistence(directory, input, field, &[])
+}
+
+/// The same with plateaus marked in the curve.
+pub fn persistence(directory: &Path, input: &FieldInput, field: &MeasuredField, plateaus: &[(f64, f64)]) -> Result<(), Failure> {
     prepare(directory)?;
     let vertices = |pairs: &[ExtremumPair]| -> Vec<VertexId> { pairs.iter().map(|pair| pair.extremum).collect() };
     let (minima, maxima) = (vertices(&field.minima), vertices(&field.maxima));
@@ -53,18 +60,40 @@ pub fn extrema(directory: &Path, input: &FieldInput, field: &MeasuredField) -> R
     field_picture(&input.domain.complex, &view, &options)
         .and_then(|picture| picture.write_png(&target))
         .map_err(|error| plot_failure(&target, &error))?;
-    charts(directory, field, None, &input.name, |_| true)
+    charts(directory, field, None, &input.name, |_| true)?;
+    match plateaus {
+        [] => Ok(()),
+        // Once more, with what is marked.
+        plateaus => curve(&directory.join("persistence_curve.svg"), input, field, plateaus),
+    }
+}
+
+/// The persistence curve alone, with plateaus marked.
+pub fn curve(target: &Path, input: &FieldInput, field: &MeasuredField, plateaus: &[(f64, f64)]) -> Result<(), Failure> {
+    let (minima, maxima) = persistences(field);
+    CurveChart { minima: &minima, maxima: &maxima, threshold: None, kept: None, plateaus, label: &input.name }
+        .svg()
+        .and_then(|svg| write_atomically(target, svg.as_bytes()))
+        .map_err(|error| plot_failure(target, &error))
 }
 
 /// The field with its Morse–Smale complex.
-pub fn complex(directory: &Path, input: &FieldInput, smale: &MorseSmaleComplex) -> Result<(), Failure> {
+///
+/// # Arguments
+/// * `complex`: what is coloured; `cells`: the same vertices with the cells of the Morse–Smale complex.
+pub fn complex<T: Triangulation>(
+    directory: &Path,
+    job: &ComplexJob<'_>,
+    complex: &SimplicialComplex,
+    cells: &T,
+) -> Result<(), Failure> {
     prepare(directory)?;
-    let (minima, maxima) = (smale.minima.extrema(), smale.maxima.extrema());
-    let title = format!("{} minima, {} maxima, {} separatrices", minima.len(), maxima.len(), smale.lines.len());
-    let view = FieldView { title: &title, values: &input.values, minima, maxima };
-    let options = PictureOptions { label: input.name.clone(), ..PictureOptions::default() };
+    let (minima, maxima) = (job.complex.minima.extrema(), job.complex.maxima.extrema());
+    let title = format!("{} minima, {} maxima, {} separatrices", minima.len(), maxima.len(), job.complex.lines.len());
+    let view = FieldView { title: &title, values: &job.field.values, minima, maxima };
+    let options = PictureOptions { label: job.field.scalar.name.clone(), ..PictureOptions::default() };
     let target = directory.join("complex.png");
-    complex_picture(&input.domain.complex, smale, &view, &options)
+    complex_picture(complex, cells, job.complex, &view, &options)
         .and_then(|picture| picture.write_png(&target))
         .map_err(|error| plot_failure(&target, &error))
 }

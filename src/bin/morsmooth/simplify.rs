@@ -19,7 +19,7 @@ use crate::output::check_output;
 use crate::report::{audit_json, audit_line, command_line, header, wanted_json, write_report};
 use crate::talk::Talk;
 use crate::wishes::{array_names, check_keep, check_single_name, wishes};
-use crate::written::{OrderArrays, Result as Written, write_and_audit};
+use crate::written::{OrderArrays, Produced, write_and_audit};
 
 /// `morsmooth simplify`.
 #[derive(Debug, Args)]
@@ -89,9 +89,9 @@ pub fn run(args: &SimplifyArgs) -> Result<Outcome, Failure> {
     }
     talk.stage("writing, and audit of the file as written");
     let writing = Instant::now();
-    let written: Vec<Written<'_>> = jobs
+    let written: Vec<Produced<'_>> = jobs
         .iter()
-        .map(|job| Written {
+        .map(|job| Produced {
             input: &inputs[job.input],
             name: &job.name,
             values: &job.result.values,
@@ -100,7 +100,7 @@ pub fn run(args: &SimplifyArgs) -> Result<Outcome, Failure> {
             plateaus: Plateaus::Refused,
         })
         .collect();
-    let orders = if args.order_array { OrderArrays::Written } else { OrderArrays::Left };
+    let orders = if args.order_array { OrderArrays::Written } else { OrderArrays::Omitted };
     let (pending, verdicts) = write_and_audit(&args.output, &written, orders)?;
     let write_seconds = writing.elapsed().as_secs_f64();
     let passed = verdicts.iter().all(|verdict| verdict.passed);

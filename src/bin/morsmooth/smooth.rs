@@ -18,7 +18,7 @@ use crate::output::{check_directory, check_output};
 use crate::report::{SmoothJob, write_report};
 use crate::talk::Talk;
 use crate::wishes::{Wish, array_names, check_keep, check_single_name, wishes};
-use crate::written::{OrderArrays, Result as Written, write_and_audit};
+use crate::written::{OrderArrays, Produced, write_and_audit};
 
 /// A field, what is wanted of it, and the arrays that it will give.
 struct Plan<'a> {
@@ -48,8 +48,8 @@ pub fn run(args: &SmoothArgs) -> Result<Outcome, Failure> {
     let writing = Instant::now();
     let plateaus = if args.raw { Plateaus::Allowed } else { Plateaus::Refused };
     let named = || plans.iter().flat_map(|plan| plan.names.iter().map(|name| (plan.input, name))).zip(&results);
-    let arrays: Vec<Written<'_>> = named()
-        .map(|((input, name), result)| Written {
+    let arrays: Vec<Produced<'_>> = named()
+        .map(|((input, name), result)| Produced {
             input,
             name,
             values: &result.values,
@@ -58,7 +58,7 @@ pub fn run(args: &SmoothArgs) -> Result<Outcome, Failure> {
             plateaus,
         })
         .collect();
-    let (pending, verdicts) = write_and_audit(&args.output, &arrays, OrderArrays::Left)?;
+    let (pending, verdicts) = write_and_audit(&args.output, &arrays, OrderArrays::Omitted)?;
     let write_seconds = writing.elapsed().as_secs_f64();
     let passed = verdicts.iter().all(|verdict| verdict.passed);
     let is_kept = passed || args.keep_unaudited;

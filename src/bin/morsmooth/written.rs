@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::input::FieldInput;
 
 /// One array to be written, and what is promised of it.
-pub struct Result<'a> {
+pub struct Produced<'a> {
     /// The field it was made of.
     pub input: &'a FieldInput,
     /// Its name.
@@ -31,7 +31,7 @@ pub struct Result<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OrderArrays {
     /// No.
-    Left,
+    Omitted,
     /// `<name>_Order`, as TTK names it: Int32, the rank of each point by (value, point number).
     Written,
 }
@@ -39,9 +39,9 @@ pub enum OrderArrays {
 /// Writes the arrays into a copy of the input beside `output`, and judges what is in the file then.
 pub fn write_and_audit(
     output: &Path,
-    results: &[Result<'_>],
+    results: &[Produced<'_>],
     orders: OrderArrays,
-) -> std::result::Result<(PendingFile, Vec<AuditReport>), Failure> {
+) -> Result<(PendingFile, Vec<AuditReport>), Failure> {
     let Some(first) = results.first() else { return Err(Failure::usage("found no result to write; expected at least one")) };
     let mut dataset = morsmooth::io::DataSet::clone(&first.input.dataset);
     for result in results {
@@ -54,7 +54,7 @@ pub fn write_and_audit(
     drop(dataset);
     let path = pending.path();
     let written = read(path).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
-    let verdicts: std::result::Result<Vec<AuditReport>, Failure> = results
+    let verdicts: Result<Vec<AuditReport>, Failure> = results
         .iter()
         .map(|result| {
             let array = written
@@ -71,7 +71,7 @@ pub fn write_and_audit(
     Ok((pending, verdicts))
 }
 
-impl Result<'_> {
+impl Produced<'_> {
     /// The array: the result on the domain, the input's own values elsewhere.
     fn array(&self) -> DataArray {
         let mut on_points = self.input.on_points.clone();
@@ -84,7 +84,7 @@ impl Result<'_> {
     }
 
     /// The verdict on values read from the file.
-    fn judge(&self, values: &[f64]) -> std::result::Result<AuditReport, morsmooth::field::FieldError> {
+    fn judge(&self, values: &[f64]) -> Result<AuditReport, morsmooth::field::FieldError> {
         let rule = |vertex: VertexId| match self.rules[vertex.index()] {
             ValueRule::Free => None,
             ValueRule::Exactly(value) => Some(morsmooth::audit::ValueRule::Exactly(value)),

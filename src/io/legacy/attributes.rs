@@ -4,7 +4,7 @@ use crate::io::array::{ArrayData, DataArray};
 use crate::io::dataset::{Attributes, Role};
 use crate::io::error::{Fault, quoted};
 
-use super::lexer::Lexer;
+use crate::io::lexer::Lexer;
 use super::metadata;
 use super::values::{LegacyType, values, words};
 

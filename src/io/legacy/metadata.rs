@@ -3,7 +3,7 @@
 use crate::io::array::{DataArray, InformationKey, InformationValue};
 use crate::io::error::Fault;
 
-use super::lexer::{Lexer, decoded};
+use crate::io::lexer::{Lexer, decoded};
 
 /// Reads a block if one follows, up to the blank line that ends it.
 pub(super) fn read(lexer: &mut Lexer<'_>, array: &mut DataArray) -> Result<(), Fault> {

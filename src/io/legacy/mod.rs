@@ -1,7 +1,6 @@
 //! Legacy VTK files, version 1.0 to 5.1, ascii and binary.
 
 mod attributes;
-mod lexer;
 mod metadata;
 mod read;
 mod values;

@@ -6,7 +6,7 @@ use crate::io::dataset::{Attributes, CellArray, DataSet, Extent, Geometry, Index
 use crate::io::error::{Fault, Place, quoted};
 
 use super::attributes::{array, attribute, field};
-use super::lexer::Lexer;
+use crate::io::lexer::Lexer;
 use super::values::{LegacyType, integers};
 
 /// VTK's number for a polyhedron, whose legacy cell is a run of faces.

@@ -4,7 +4,7 @@ use crate::io::array::ArrayData;
 use crate::io::bytes::{ByteOrder, Element, parse_f32, parse_f64, unpack_bits, values_of_bytes};
 use crate::io::error::{Fault, quoted};
 
-use super::lexer::{Lexer, decoded_bytes};
+use crate::io::lexer::{Lexer, decoded_bytes};
 
 /// What a type name of the format stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use crate::io::bytes::{ByteOrder, Element, pack_bits};
 use crate::io::dataset::{Attributes, CellArray, DataSet, Geometry, Role};
 use crate::io::write::Objection;
 
-use super::lexer::encoded;
+use crate::io::lexer::encoded;
 
 const POLYHEDRON: u8 = 42;
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::field::VertexOrder;
-use crate::mesh::{SimplicialComplex, Triangulation};
+use crate::mesh::Triangulation;
 
 use super::super::error::MorseError;
 use super::super::gradient::{DiscreteGradient, discrete_gradient};
@@ -16,11 +16,11 @@ use super::reduction::Boundary;
 /// The persistence diagram, in all dimensions, of the lower-star filtration of a vertex order.
 ///
 /// Coefficients are those modulo 2. The domain may have boundary, any number of components and any topology. Maxima on
-/// the boundary are in no pair, since the sublevel sets do not see them; [`extremum_pairs`](super::extremum_pairs) of
+/// the boundary are in no pair, since the sublevel sets do not see them; [`extremum_pairs`](crate::morse::extremum_pairs) of
 /// both kinds lists all extrema.
 ///
 /// # Arguments
-/// * `complex`: `n` vertices, dimension 1, 2 or 3. Vertices without neighbours are left out.
+/// * `mesh`: `n` vertices, dimension 1, 2 or 3, explicit or a grid. Vertices without neighbours are left out.
 /// * `order`: total order of the `n` vertices; ties were broken by index.
 ///
 /// # Errors
@@ -28,7 +28,8 @@ use super::reduction::Boundary;
 ///
 /// # Cost
 /// That of the gradient, and about linear time for dimension 0 and the last one; in three dimensions, the reduction of a
-/// sparse matrix of the saddles that are left. Parallel; the result does not depend on the number of threads.
+/// sparse matrix of the saddles that are left: 1 to 4 microseconds a pair on noise, but more than linear where tunnels are
+/// bounded by very long cycles. Less than 100 bytes a vertex on a noisy 3-D grid, gradient included. Parallel; the result does not depend on the number of threads.
 ///
 /// # Source
 /// Guillou, Vidal, Tierny 2023, *Discrete Morse Sandwich: fast computation of persistence diagrams for scalar data*.
@@ -47,8 +48,8 @@ use super::reduction::Boundary;
 /// assert_eq!(finite.persistence(&values), Some(2.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn persistence_diagram(complex: &SimplicialComplex, order: &VertexOrder) -> Result<PersistenceDiagram, MorseError> {
-    Ok(diagram_of_gradient(complex, order, &discrete_gradient(complex, order)?))
+pub fn persistence_diagram<T: Triangulation>(mesh: &T, order: &VertexOrder) -> Result<PersistenceDiagram, MorseError> {
+    Ok(diagram_of_gradient(mesh, order, &discrete_gradient(mesh, order)?))
 }
 
 /// The persistence diagram of a vertex order whose gradient is there already.
@@ -57,6 +58,9 @@ pub fn persistence_diagram(complex: &SimplicialComplex, order: &VertexOrder) -> 
 /// * `mesh`, `order`: as in [`persistence_diagram`].
 /// * `gradient`: what [`discrete_gradient`] made of the two; one with cancelled pairs does not follow the order and gives
 ///   a diagram of no meaning.
+///
+/// # Panics
+/// If the order or the gradient is of another number of vertices or cells.
 ///
 /// # Cost
 /// As [`persistence_diagram`], without the gradient.
@@ -87,7 +91,10 @@ pub enum DiagramStage {
 ///
 /// # Arguments
 /// * `mesh`, `order`, `gradient`: as there.
-/// * `done`: called after each stage.
+/// * `done`: called after each stage, in the order of [`DiagramStage`].
+///
+/// # Panics
+/// As there.
 pub fn diagram_of_gradient_by_stage<T: Triangulation>(
     mesh: &T,
     order: &VertexOrder,
@@ -152,8 +159,8 @@ impl<'a> Matching<'a> {
     fn reduce<T: Triangulation>(&mut self, landscape: &Landscape<'_, T>, dimension: usize) {
         let columns = &self.critical[dimension];
         let (rows, is_closed) = (&self.critical[dimension - 1], self.ends[dimension - 1].clone());
-        let places: Vec<u32> =
-            (0..columns.len() as u32).filter(|&place| self.deaths[dimension][place as usize].is_none()).collect();
+        let begins_none = |place: &u32| self.deaths[dimension][*place as usize].is_none();
+        let places: Vec<u32> = columns.places().iter().copied().filter(begins_none).collect();
         let pairs = Boundary { landscape, rows, is_closed, columns }.pairs(&places);
         for (row, column) in pairs.into_iter().enumerate() {
             self.join(dimension - 1, row, column);
@@ -161,33 +168,59 @@ impl<'a> Matching<'a> {
     }
 
     fn diagram<T: Triangulation>(self, landscape: &Landscape<'_, T>) -> PersistenceDiagram {
-        let mut pairs: Vec<(Ranks, PersistencePair)> = Vec::new();
         let (mut critical_counts, mut instant_counts) = ([0; 4], [0; 4]);
+        let mut listed = Vec::new();
         for (dimension, cells) in self.critical.iter().enumerate() {
+            let births: Vec<PersistencePair> = (0..cells.len())
+                .into_par_iter()
+                .filter(|&place| !self.ends[dimension][place])
+                .filter_map(|place| self.pair(landscape, dimension, place))
+                .collect();
             critical_counts[dimension] = cells.len();
-            let listed = pairs.len();
-            let births = (0..cells.len()).into_par_iter().filter(|&place| !self.ends[dimension][place]);
-            pairs.par_extend(births.filter_map(|place| {
-                let birth = cells.cell(place as u32);
-                let ranks = landscape.ranks(birth);
-                let death = self.deaths[dimension][place].map(|place| self.critical[dimension + 1].cell(place));
-                let level = death.map(|death| landscape.level(death));
-                let pair = PersistencePair {
-                    birth,
-                    death,
-                    birth_vertex: landscape.vertex_at(ranks[0]),
-                    death_vertex: level.map(|level| landscape.vertex_at(level)),
-                    dimension: dimension as u8,
-                };
-                (level != Some(ranks[0])).then_some((ranks, pair))
-            }));
-            let births = self.ends[dimension].iter().filter(|&&ends| !ends).count();
-            instant_counts[dimension] = births - (pairs.len() - listed);
+            let ending = self.ends[dimension].iter().filter(|&&ends| ends).count();
+            instant_counts[dimension] = cells.len() - ending - births.len();
+            listed.push(births);
         }
-        // No two cells have the same vertices, so an unstable sort has one possible result.
-        pairs.par_sort_unstable_by_key(|&(ranks, _)| ranks);
-        let pairs = pairs.into_iter().map(|(_, pair)| pair).collect();
+        let pairs = by_birth(landscape, &listed);
         let (dimension, highest_vertex) = (landscape.dimension(), landscape.highest_vertex());
         PersistenceDiagram { dimension, pairs, critical_counts, instant_counts, highest_vertex }
     }
+
+    /// The class that a cell begins, unless it ends at the vertex at which it begins.
+    fn pair<T: Triangulation>(
+        &self,
+        landscape: &Landscape<'_, T>,
+        dimension: usize,
+        place: usize,
+    ) -> Option<PersistencePair> {
+        let level = self.critical[dimension].levels()[place];
+        let death = self.deaths[dimension][place];
+        let death_level = death.map(|place| self.critical[dimension + 1].levels()[place as usize]);
+        (death_level != Some(level)).then(|| PersistencePair {
+            birth: self.critical[dimension].cell(place as u32),
+            death: death.map(|place| self.critical[dimension + 1].cell(place)),
+            birth_vertex: landscape.vertex_at(level),
+            death_vertex: death_level.map(|level| landscape.vertex_at(level)),
+            dimension: dimension as u8,
+        })
+    }
 }
+
+/// Merges lists of pairs that are sorted by birth.
+fn by_birth<T: Triangulation>(landscape: &Landscape<'_, T>, lists: &[Vec<PersistencePair>]) -> Vec<PersistencePair> {
+    let mut merged = Vec::with_capacity(lists.iter().map(Vec::len).sum());
+    let mut heads: Vec<(Ranks, std::slice::Iter<PersistencePair>)> = Vec::new();
+    let ranks = |pair: Option<&PersistencePair>| pair.map_or(PAST_ALL, |pair| landscape.ranks(pair.birth));
+    for list in lists {
+        heads.push((ranks(list.first()), list.iter()));
+    }
+    while let Some((head, rest)) = heads.iter_mut().min_by_key(|(head, _)| *head) {
+        let Some(pair) = rest.next() else { break };
+        merged.push(*pair);
+        *head = ranks(rest.as_slice().first());
+    }
+    merged
+}
+
+/// Above the ranks of every cell.
+const PAST_ALL: Ranks = [u32::MAX; 4];

@@ -11,6 +11,8 @@ pub(super) struct CriticalCells {
     dimension: u8,
     /// Numbers of the cells, lowest cell first.
     cells: Vec<u32>,
+    /// Their levels: rank of the highest vertex plus one.
+    levels: Vec<u32>,
     /// One bit a cell of the mesh: whether it is critical.
     bits: Vec<u64>,
     /// Critical cells before each word of `bits`.
@@ -31,13 +33,14 @@ impl CriticalCells {
         for (place, &(_, at)) in keyed.iter().enumerate() {
             places[at as usize] = place as u32;
         }
+        let levels = keyed.iter().map(|(ranks, _)| ranks[0]).collect();
         let cells = keyed.into_iter().map(|(_, at)| by_number[at as usize]).collect();
         let mut bits = vec![0u64; landscape.numbers(dimension).div_ceil(64)];
         for index in by_number {
             bits[index as usize / 64] |= 1 << (index % 64);
         }
         let before = bits.iter().scan(0, |sum, word| Some(std::mem::replace(sum, *sum + word.count_ones()))).collect();
-        Self { dimension: dimension as u8, cells, bits, before, places }
+        Self { dimension: dimension as u8, cells, levels, bits, before, places }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -48,9 +51,24 @@ impl CriticalCells {
         self.dimension
     }
 
-    /// Numbers of the cells, lowest cell first.
-    pub(super) fn cells(&self) -> &[u32] {
-        &self.cells
+    /// Levels of the cells, lowest cell first.
+    pub(super) fn levels(&self) -> &[u32] {
+        &self.levels
+    }
+
+    /// Places in the order by rising number of the cell: near in memory, where the order is not.
+    pub(super) fn places(&self) -> &[u32] {
+        &self.places
+    }
+
+    /// What `of_cell` says of every cell, lowest cell first; asked by rising number.
+    pub(super) fn map<R: Copy + Default + Send>(&self, of_cell: impl Fn(u32) -> R + Sync) -> Vec<R> {
+        let by_number: Vec<R> = self.places.par_iter().map(|&place| of_cell(self.cells[place as usize])).collect();
+        let mut by_place = vec![R::default(); by_number.len()];
+        for (&place, of_cell) in self.places.iter().zip(by_number) {
+            by_place[place as usize] = of_cell;
+        }
+        by_place
     }
 
     /// The cell at a place of the order.

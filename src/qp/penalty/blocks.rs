@@ -78,7 +78,7 @@ impl Blocks {
             }
             for (place, &one) in columns[first..].iter().enumerate() {
                 for &other in &columns[first + place..] {
-                    slots.push(engine.symbolic.slot(one as usize, other as usize).map_err(|error| match error {
+                    slots.push(engine.slot(one as usize, other as usize).map_err(|error| match error {
                         FactorError::OutsidePattern { row: first, column: second } => {
                             QpError::RowOutsidePattern { row, first, second }
                         }

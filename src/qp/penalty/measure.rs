@@ -140,6 +140,7 @@ pub(super) fn certificate(engine: &Engine, problem: &Problem, x: &[f64], z: &[f6
         constraints,
         conflict: conflict / top,
         residual: largest(&image) / top,
+        least_objective: None,
         relaxations: Vec::new(),
         ray: z.iter().map(|value| value / top).collect(),
     })

@@ -50,7 +50,8 @@ pub struct PenaltyOptions {
     pub until: Until,
     /// w, a positive factor for each order row and each block, in their order. `None` takes, for each, one over the mean of
     /// `a diag(P)⁻¹ aᵀ` over its rows a, which is the measure of the element up to a constant where the problem comes from a mesh, and
-    /// which makes tau a pure number.
+    /// which makes tau a pure number. Where some unknowns are held by much stiffer terms, such as soft handles, give the measures themselves:
+    /// the penalty of the blocks there would be as stiff, and the barrier of the spline slow to vanish.
     pub weights: Option<Vec<f64>>,
 }
 

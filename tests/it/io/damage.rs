@@ -5,10 +5,10 @@ use morsmooth::io::{MaskSources, domain, mask};
 use super::{file, read_text};
 
 /// A generator without a seed from outside: the same damage every time.
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    fn below(&mut self, bound: usize) -> usize {
+    pub(super) fn below(&mut self, bound: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;

@@ -2,6 +2,7 @@
 
 mod damage;
 mod domains;
+mod meshes;
 mod encodings;
 mod refusals;
 mod replacing;

@@ -5,6 +5,7 @@ mod factors;
 mod indefinite;
 mod ordering;
 mod product;
+mod small;
 
 use morsmooth::linalg::{CsrMatrix, SymbolicCholesky};
 

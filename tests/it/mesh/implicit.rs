@@ -1,6 +1,6 @@
 //! Implicit grids against the explicit subdivision, cell by cell.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use morsmooth::field::{VertexId, VertexOrder};
 use morsmooth::mesh::{
@@ -53,6 +53,12 @@ fn assert_same(dims: [usize; 3]) {
         assert!(lower.iter().all(|cell| cell.highest_vertex(&implicit, &order) == vertex));
         owned += lower.len();
         assert_eq!(translate(lower), explicit.lower_star(vertex, &order).collect::<Vec<_>>());
+        let link = |edges: Vec<[VertexId; 2]>| -> BTreeSet<[VertexId; 2]> {
+            edges.into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect()
+        };
+        let expected = link(explicit.link_edges(vertex).collect());
+        assert_eq!(link(implicit.link_edges(vertex).collect()), expected);
+        assert_eq!(expected.len(), explicit.star_cells(vertex).filter(|cell| cell.dimension == 2).count());
         assert_eq!(implicit.neighbours(vertex).collect::<Vec<_>>(), explicit.neighbours(vertex));
     }
     assert_eq!(owned, ours.len());

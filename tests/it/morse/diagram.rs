@@ -1,7 +1,7 @@
 //! The persistence diagram in all dimensions against reduction of the whole boundary matrix, and theorems about it.
 
 use morsmooth::field::{VertexId, VertexOrder};
-use morsmooth::mesh::SimplicialComplex;
+use morsmooth::mesh::{Domain, Grid, ImplicitGrid, Mask, SimplicialComplex, Triangulation};
 use morsmooth::morse::{
     Cell, ExtremumKind, MorseError, PersistenceDiagram, discrete_gradient, extremum_pairs, persistence_diagram,
 };
@@ -83,6 +83,34 @@ fn turning_a_field_on_a_closed_manifold_upside_down_swaps_birth_and_death() {
             assert_eq!(vertices(&below), turned);
         }
     }
+}
+
+#[test]
+fn long_cycles_of_a_lattice_of_wires_are_dual_to_themselves() {
+    // Wires along all three axes with a little noise: tunnels between them are long sums of edges, and those of the
+    // field upside down are sums of other ones, but they must be the same pairs.
+    let size = 16;
+    let complex = meshes::three_torus(size);
+    let noise = meshes::noise(complex.vertex_count(), 3, 1 << 40);
+    let wires = |v: usize| {
+        let [a, b, c] = [v % size % 4, v / size % size % 4, v / size / size % 4];
+        u8::from(a == 0 && b == 0) + u8::from(b == 2 && c == 0) + u8::from(a == 2 && c == 2)
+    };
+    let values: Vec<f64> = noise.iter().enumerate().map(|(v, noise)| 1e-3 * noise - f64::from(wires(v))).collect();
+    let order = VertexOrder::of_values(&values).unwrap();
+    let tunnels = |diagram: &PersistenceDiagram| -> Vec<_> {
+        diagram.of_dimension(1).filter_map(|pair| Some((pair.birth_vertex, pair.death_vertex?))).collect()
+    };
+    let below = persistence_diagram(&complex, &order).unwrap();
+    let above = persistence_diagram(&complex, &order.reversed()).unwrap();
+    below.check_euler().unwrap();
+    assert_eq!([below.betti_numbers(), above.betti_numbers()], [[1, 3, 3, 1]; 2]);
+    let mut turned: Vec<_> = tunnels(&above).into_iter().map(|(birth, death)| (death, birth)).collect();
+    let mut found = tunnels(&below);
+    turned.sort_unstable();
+    found.sort_unstable();
+    assert!(found.len() > 300, "{}", found.len());
+    assert_eq!(found, turned);
 }
 
 #[test]
@@ -212,6 +240,28 @@ proptest! {
             diagram.pairs().iter().map(|pair| (pair.dimension, rank(pair.birth_vertex), pair.death_vertex.map(rank))).collect::<Vec<_>>()
         };
         prop_assert_eq!(ranks(&complex, &values), ranks(&renumbered, &moved));
+    }
+}
+
+#[test]
+fn grids_without_stored_cells_have_the_same_pairs() {
+    for dims in [[30, 1, 1], [9, 14, 1], [1, 7, 8], [6, 5, 7], [2, 9, 2]] {
+        let grid = Grid::image(dims, [0.0; 3], [1.0; 3]);
+        let complex = Domain::from_grid(&grid, &Mask::none()).unwrap().complex;
+        let implicit = ImplicitGrid::new(grid).unwrap();
+        for levels in [2, 12, 1 << 40] {
+            let order = VertexOrder::of_values(&meshes::noise(complex.vertex_count(), 4, levels)).unwrap();
+            let stored = persistence_diagram(&complex, &order).unwrap();
+            let computed = persistence_diagram(&implicit, &order).unwrap();
+            computed.check_euler().unwrap();
+            assert_eq!(stored.critical_counts(), computed.critical_counts());
+            assert_eq!(stored.pairs().len(), computed.pairs().len());
+            for (one, other) in stored.pairs().iter().zip(computed.pairs()) {
+                assert_eq!(*complex.cell_vertices(one.birth), *implicit.cell_vertices(other.birth));
+                let stored_death = one.death.map(|cell| complex.cell_vertices(cell).to_vec());
+                assert_eq!(stored_death, other.death.map(|cell| implicit.cell_vertices(cell).to_vec()));
+            }
+        }
     }
 }
 

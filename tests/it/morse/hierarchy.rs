@@ -3,7 +3,8 @@
 use morsmooth::field::{VertexId, VertexOrder};
 use morsmooth::mesh::SimplicialComplex;
 use morsmooth::morse::{
-    BasinHierarchy, Cell, DiscreteGradient, ExtremumGraph, ExtremumKind, MorseComplex, MorseHierarchy, Selection, Threshold,
+    BasinHierarchy, Cell, CellCancellation, DiscreteGradient, ExtremumGraph, ExtremumKind, MorseComplex, MorseHierarchy, SaddlePairs,
+    Selection, Threshold,
     discrete_gradient, extremum_pairs, select,
 };
 use proptest::prelude::*;
@@ -21,7 +22,7 @@ fn highest(complex: &SimplicialComplex, order: &VertexOrder, gradient: &Discrete
 }
 
 /// Everything that is promised of one threshold.
-fn check_state(complex: &SimplicialComplex, values: &[f64], hierarchy: &MorseHierarchy<'_>, threshold: f64, is_manifold: bool) {
+fn check_state(complex: &SimplicialComplex, values: &[f64], hierarchy: &MorseHierarchy<'_, SimplicialComplex>, threshold: f64, is_manifold: bool) {
     let (gradient, order) = (hierarchy.gradient(), hierarchy.order());
     gradient.check_euler().unwrap();
     assert_is_gradient(complex, gradient);
@@ -46,10 +47,16 @@ fn check_state(complex: &SimplicialComplex, values: &[f64], hierarchy: &MorseHie
 /// Moves through thresholds up and down; the state depends on the last one only.
 fn check(complex: &SimplicialComplex, values: &[f64], thresholds: &[f64], is_manifold: bool) {
     let order = VertexOrder::of_values(values).unwrap();
-    let fresh = MorseHierarchy::new(complex, values, &order).unwrap();
+    for saddles in [SaddlePairs::Keep, SaddlePairs::Cancel] {
+        check_hierarchy(&MorseHierarchy::new(complex, values, &order, saddles).unwrap(), values, thresholds, is_manifold);
+    }
+}
+
+fn check_hierarchy(fresh: &MorseHierarchy<'_, SimplicialComplex>, values: &[f64], thresholds: &[f64], is_manifold: bool) {
+    let (complex, order) = (fresh.complex(), fresh.order());
     assert!(fresh.cancellations().windows(2).all(|pair| pair[0].level <= pair[1].level));
     assert!(fresh.cancellations().iter().all(|pair| pair.level >= pair.persistence));
-    assert_eq!(fresh.gradient(), &discrete_gradient(complex, &order).unwrap());
+    assert_eq!(fresh.gradient(), &discrete_gradient(complex, order).unwrap());
     let mut wandering = fresh.clone();
     for &threshold in thresholds {
         let mut direct = fresh.clone();
@@ -60,8 +67,9 @@ fn check(complex: &SimplicialComplex, values: &[f64], thresholds: &[f64], is_man
         }
         check_state(complex, values, &wandering, threshold, is_manifold);
         if is_manifold {
-            let due = fresh.cancellations().iter().filter(|pair| pair.level <= threshold).count();
-            assert_eq!(wandering.cancelled().count(), due, "every cancellation that is due is possible");
+            let of_extrema = |pairs: &mut dyn Iterator<Item = &CellCancellation>| pairs.filter(|pair| pair.extremum.is_some()).count();
+            let due = of_extrema(&mut fresh.cancellations().iter().filter(|pair| pair.level <= threshold));
+            assert_eq!(of_extrema(&mut wandering.cancelled()), due, "every cancellation of an extremum is possible");
         }
     }
 }
@@ -141,7 +149,7 @@ fn a_number_of_extrema_is_met_exactly() {
         let values = meshes::noise(complex.vertex_count(), 5, 4);
         let order = VertexOrder::of_values(&values).unwrap();
         let [minima, maxima] = KINDS.map(|kind| extremum_pairs(&complex, &order, kind));
-        let mut hierarchy = MorseHierarchy::new(&complex, &values, &order).unwrap();
+        let mut hierarchy = MorseHierarchy::new(&complex, &values, &order, SaddlePairs::Cancel).unwrap();
         let essential = minima.iter().chain(&maxima).filter(|pair| pair.is_essential()).count();
         let all = minima.len() + maxima.len();
         for count in [essential, essential + 1, (essential + all) / 2, all] {
@@ -170,9 +178,9 @@ fn a_hill_at_the_boundary_lives_as_long_as_an_extremum_pair() {
     };
     let values: Vec<f64> = (0..45).map(|k| height(k % 9, k / 9)).collect();
     let order = VertexOrder::of_values(&values).unwrap();
-    let mut hierarchy = MorseHierarchy::new(&grid, &values, &order).unwrap();
+    let mut hierarchy = MorseHierarchy::new(&grid, &values, &order, SaddlePairs::Keep).unwrap();
     let ridge = VertexId(2 * 9 + 1);
-    let pair = hierarchy.cancellations().iter().find(|pair| pair.extremum == ridge && pair.upper.dimension == 2).unwrap();
+    let pair = hierarchy.cancellations().iter().find(|pair| pair.extremum == Some(ridge) && pair.upper.dimension == 2).unwrap();
     assert_eq!((pair.persistence, pair.level), (1.0, 8.0));
     assert!(highest(&grid, &order, hierarchy.at(7.9)).contains(&ridge));
     assert!(!highest(&grid, &order, hierarchy.at(8.0)).contains(&ridge));
@@ -186,7 +194,7 @@ fn threads_change_no_bit() {
     let with_threads = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mut hierarchy = MorseHierarchy::new(&ball, &values, &order).unwrap();
+            let mut hierarchy = MorseHierarchy::new(&ball, &values, &order, SaddlePairs::Cancel).unwrap();
             hierarchy.at(0.3);
             let listed: Vec<_> = hierarchy.cancellations().to_vec();
             (listed, hierarchy.gradient().clone(), morsmooth::morse::MorseSmaleComplex::new(&hierarchy))
@@ -200,8 +208,24 @@ fn isolated_vertices_belong_to_nothing() {
     let complex = SimplicialComplex::new(1, vec![[0.0; 3]; 4], vec![0, 1, 1, 3]).unwrap();
     let values = [1.0, 2.0, 0.0, 3.0];
     let order = VertexOrder::of_values(&values).unwrap();
-    let mut hierarchy = MorseHierarchy::new(&complex, &values, &order).unwrap();
+    let mut hierarchy = MorseHierarchy::new(&complex, &values, &order, SaddlePairs::Cancel).unwrap();
     hierarchy.at(9.0);
     assert_eq!(hierarchy.minimum_segmentation().label(VertexId(2)), None);
     assert!(!hierarchy.gradient().is_critical(Cell::vertex(VertexId(2))));
+}
+
+#[test]
+fn most_pairs_of_saddles_cancel_too() {
+    let ball = meshes::cubes([9, 8, 7]);
+    let values = meshes::noise(ball.vertex_count(), 31, 1 << 40);
+    let order = VertexOrder::of_values(&values).unwrap();
+    let counts = |saddles| {
+        let mut hierarchy = MorseHierarchy::new(&ball, &values, &order, saddles).unwrap();
+        let counts = hierarchy.at(2.0).critical_counts();
+        assert_eq!(MorseComplex::new(&ball, hierarchy.gradient()).boundary_defect(), None);
+        counts
+    };
+    let (kept, cancelled) = (counts(SaddlePairs::Keep), counts(SaddlePairs::Cancel));
+    assert_eq!((kept[0], kept[3]), (cancelled[0], cancelled[3]));
+    assert!(cancelled[1] * 4 < kept[1], "{kept:?} {cancelled:?}");
 }

@@ -7,6 +7,7 @@ mod hierarchy;
 mod morse_smale;
 mod gradient;
 mod grids;
+mod lower_stars;
 pub mod meshes;
 mod pairs;
 mod selection;

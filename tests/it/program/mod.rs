@@ -8,7 +8,9 @@ mod complex;
 mod fields;
 mod kinds;
 mod options;
+mod persistence;
 mod queries;
+mod simplify;
 mod unusual;
 
 use std::collections::BTreeMap;

@@ -60,7 +60,7 @@ fn the_mixed_form_is_taken_where_rounding_would_win() {
 
 #[test]
 fn without_digits_in_the_formed_matrix_the_mixed_form_still_solves() {
-    let made = instance(123, 4, Case::NoData, 7);
+    let made = instance(110, 4, Case::NoData, 3);
     let Problem { objective, fixed, .. } = &made.problem;
     // Numbered backwards, everything is eliminated in another order with other rounding.
     let minimum = |backwards: bool| {
@@ -87,6 +87,22 @@ fn without_digits_in_the_formed_matrix_the_mixed_form_still_solves() {
     let solution = engine.solve(&made.problem, Some(&made.start), &Settings::default(), &mut |_| {}).unwrap();
     assert_eq!(solution.status, QpStatus::Solved, "{:?}", solution.kkt);
     assert!(solution.objective >= one * (1.0 - 1e-8));
+}
+
+#[test]
+fn one_engine_factors_one_matrix_after_another() {
+    let made = instance(31, 4, Case::NoData, 5);
+    let Problem { objective, fixed, .. } = &made.problem;
+    let n = fixed.len();
+    let other = Objective {
+        terms: vec![Term::Diagonal((0..n).map(|unknown| 1.0 + (unknown % 7) as f64).collect())],
+        linear: (0..n).map(|unknown| (unknown as f64).sin()).collect(),
+        constant: 0.0,
+    };
+    let fresh = || Engine::in_form(objective, None, Some(&made.coordinates), KktForm::Mixed).unwrap();
+    let mut engine = fresh();
+    engine.minimise(objective, fixed).unwrap();
+    assert_eq!(engine.factor_and_solve(&other, fixed).unwrap(), fresh().factor_and_solve(&other, fixed).unwrap());
 }
 
 #[test]

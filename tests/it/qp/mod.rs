@@ -1,6 +1,8 @@
 //! The engine: known optima, independent residuals, a second solver, endings, refusals.
 
 mod agreement;
+mod blocks;
+mod contradictions;
 mod endings;
 mod invariance;
 mod mixed;
@@ -10,6 +12,7 @@ mod pinned;
 mod product;
 mod refusals;
 mod speed;
+mod scenes;
 
 #[path = "../../../tools/bench/peer.rs"]
 mod peer;

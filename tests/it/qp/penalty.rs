@@ -1,5 +1,6 @@
 //! Penalty continuation: its functions, the optimum of both methods, previews, endings.
 
+use super::problems::{Case, instance};
 use super::{distance, order, path_laplacian, solved};
 use morsmooth::linalg::CsrMatrix;
 use morsmooth::linalg::small::{from_scaled, symmetric_eigen, to_scaled};
@@ -349,4 +350,37 @@ fn options_out_of_range_are_refused() {
     let short = PenaltyOptions { weights: Some(vec![1.0; 3]), ..good };
     let refused = solve_with(&problem, &Method::Penalty(short), None, &Settings::default());
     assert!(matches!(refused, Err(QpError::Length { array: "penalty weights", expected: 9, found: 3 })));
+}
+
+#[test]
+fn fields_have_the_same_optimum_by_both_methods() {
+    for (order, case) in [(1, Case::Data), (2, Case::Data), (2, Case::NoData), (2, Case::Smooth), (3, Case::Smooth)] {
+        let made = instance(25, order, case, 11);
+        let mut engine = Engine::new(&made.problem.objective, None, Some(&made.coordinates)).unwrap();
+        let settings = Settings::default();
+        let exact = engine.solve(&made.problem, Some(&made.start), &settings, &mut |_| {}).unwrap();
+        let options = PenaltyOptions::default();
+        let solution = engine.solve_penalty(&made.problem, None, &settings, &options, &mut |_| {}).unwrap();
+        assert_eq!(solution.status, QpStatus::Solved, "{order} {case:?} {:?}", solution.kkt);
+        let off = (solution.objective - exact.objective).abs() / exact.objective;
+        assert!(off < 1e-6, "{order} {case:?}: {off}");
+    }
+}
+
+#[test]
+fn a_given_start_changes_the_way_but_not_the_end() {
+    let problem = rising(60, 5);
+    let settings = Settings::default();
+    let mut engine = Engine::new(&problem.objective, Some(&problem.constraints.coupling()), None).unwrap();
+    let mut random = Random(8);
+    let start: Vec<f64> = (0..60).map(|_| random.even()).collect();
+    let options = PenaltyOptions::default();
+    let far = engine.solve_penalty(&problem, Some(&start), &settings, &options, &mut |_| {}).unwrap();
+    let near = engine.solve_penalty(&problem, None, &settings, &options, &mut |_| {}).unwrap();
+    assert_eq!((&far.status, &near.status), (&QpStatus::Solved, &QpStatus::Solved));
+    assert!((far.objective - near.objective).abs() < 1e-7 * near.objective);
+    let again = engine.solve_penalty(&problem, Some(&near.x), &settings, &options, &mut |_| {}).unwrap();
+    assert_eq!(again.status, QpStatus::Solved);
+    let short = engine.solve_penalty(&problem, Some(&start[1..]), &settings, &options, &mut |_| {});
+    assert!(matches!(short, Err(QpError::Length { array: "start", .. })));
 }

@@ -1,6 +1,8 @@
 //! The pipeline of the library: theorems, and whatever random fields come up with.
 
+mod keep;
 mod random;
+mod simplify;
 mod theorems;
 
 use morsmooth::audit::{Plateaus, Wanted, audit};

@@ -1,6 +1,6 @@
-//! Words, lines and bytes of a legacy file, with their places.
+//! Words, lines and bytes of a text file with binary parts, with their places.
 
-use crate::io::error::{Fault, Place, quoted};
+use super::error::{Fault, Place, quoted};
 
 /// Reads a file from front to back.
 pub(super) struct Lexer<'a> {
@@ -10,11 +10,18 @@ pub(super) struct Lexer<'a> {
     pub binary: bool,
     /// Major version of the format.
     pub major: u32,
+    /// The character that makes the rest of its line a comment.
+    comment: Option<u8>,
 }
 
 impl<'a> Lexer<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
-        Self { bytes, position: 0, binary: false, major: 0 }
+        Self { bytes, position: 0, binary: false, major: 0, comment: None }
+    }
+
+    /// As [`Lexer::new`], for a format in which `comment` makes the rest of its line a comment.
+    pub fn with_comments(bytes: &'a [u8], comment: u8) -> Self {
+        Self { comment: Some(comment), ..Self::new(bytes) }
     }
 
     /// The current place: lines say more in text, bytes where binary data lies between.
@@ -49,8 +56,14 @@ impl<'a> Lexer<'a> {
     }
 
     fn skip_blanks(&mut self) {
-        while self.bytes.get(self.position).is_some_and(u8::is_ascii_whitespace) {
-            self.position += 1;
+        while let Some(&byte) = self.bytes.get(self.position) {
+            if Some(byte) == self.comment {
+                self.line();
+            } else if byte.is_ascii_whitespace() {
+                self.position += 1;
+            } else {
+                return;
+            }
         }
     }
 

@@ -1,0 +1,19 @@
+//! Mesh files of other programs: `.obj .off .ply .stl .mesh .msh`.
+//!
+//! Points keep their numbers, since handles and extrema are named by them; the crate `tobj` renumbers points by group and
+//! no maintained crate reads `.off`, Medit or Gmsh files, so these four are read here. `.ply` and `.stl` go through crates.
+
+mod format;
+mod gmsh;
+mod gmsh_write;
+mod medit;
+mod obj;
+mod off;
+mod parts;
+mod ply;
+mod shapes;
+mod stl;
+
+pub(super) use format::MeshFormat;
+pub(super) use parts::{kind, poly_data};
+pub(super) use shapes::Shapes;
