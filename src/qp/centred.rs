@@ -16,7 +16,7 @@ const ROOM: f64 = 1.5;
 /// against 21 with the room of single violations.
 const COLLECTIVE: f64 = 0.2;
 
-/// The least part of that room (at order 3 without data, a part of 0.04 took 28 iterations and one of 0.3 took 16).
+/// The least part of that room: at order 3 without data and 7,396 unknowns 18 iterations, against 28 without a least part.
 const LEAST_ROOM: f64 = 0.2;
 
 /// Least gap of the start relative to the objective: few and small violations say little of the rows that closing them will violate.
