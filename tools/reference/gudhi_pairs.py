@@ -6,6 +6,7 @@
     python tools/reference/gudhi_pairs.py FILE --array A [--mask M] --example target/release/examples/extremum_pairs
     python tools/reference/gudhi_pairs.py FILE --array A [--mask M] --dump mesh.txt
     python tools/reference/gudhi_pairs.py --fields ../shared/data (--program target/release/morsmooth | --example E)
+    python tools/reference/gudhi_pairs.py --noisy 512 --program target/release/morsmooth
 
 Pairs are those of dimension 0 of the lower-star filtration of h (minima) and of -h (maxima), as multisets of
 (birth, death), compared bit for bit. Pairs of persistence 0 are left out: which of them there are depends on how ties are
@@ -15,7 +16,8 @@ broken. The report is JSON with two lists, both in values of h:
     maxima_pairs: [[value of the maximum, value of its saddle, or null if it is essential], ...]
 
 Grids are triangulated with the diagonal (i,j)-(i+1,j+1), boxes with Kuhn's six tetrahedra; a simplex stays if all its
-points are valid: the mask is not 0 and the value is a number. --fields compares the seven reference fields in a directory.
+points are valid: the mask is not 0 and the value is a number. --fields compares the seven reference fields in a directory,
+--noisy N a generated surface of N x N points: hills and white noise. Seconds are GUDHI's; `cargo run --release --example morse mesh` has ours on such a surface.
 Exit code 0 if all pairs are equal, 1 if not.
 """
 
@@ -153,12 +155,28 @@ def compare(arguments, path, array, mask):
     return equal
 
 
+def noisy(folder, side):
+    """A triangulated surface with hills and white noise, as a file."""
+    place = np.linspace(0.0, 1.0, side)
+    x, y = np.meshgrid(place, place)
+    noise = np.random.default_rng(1).standard_normal((side, side))
+    points = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
+    triangles = grid_simplices((side, side, 1))
+    faces = np.hstack([np.full((len(triangles), 1), 3), triangles]).ravel()
+    mesh = pyvista.PolyData(points, faces)
+    mesh["noisy"] = (np.sin(9.0 * x) * np.cos(7.0 * y) + 0.3 * noise).ravel()
+    path = str(pathlib.Path(folder) / "noisy.vtp")
+    mesh.save(path)
+    return path
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("file", nargs="?")
     parser.add_argument("--array")
     parser.add_argument("--mask")
     parser.add_argument("--fields", metavar="DIR")
+    parser.add_argument("--noisy", metavar="N", type=int)
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument("--report", metavar="JSON")
     source.add_argument("--program", metavar="MORSMOOTH")
@@ -170,10 +188,13 @@ def main():
             parser.error("--fields needs --program or --example")
         folder = pathlib.Path(arguments.fields)
         results = [compare(arguments, folder / file, array, mask) for file, array, mask in FIELDS]
+    elif arguments.noisy:
+        with tempfile.TemporaryDirectory() as folder:
+            results = [compare(arguments, noisy(folder, arguments.noisy), "noisy", None)]
     elif arguments.file and arguments.array:
         results = [compare(arguments, arguments.file, arguments.array, arguments.mask)]
     else:
-        parser.error("a file with --array, or --fields, is needed")
+        parser.error("a file with --array, --fields or --noisy is needed")
     sys.exit(0 if all(results) else 1)
 
 
