@@ -8,6 +8,10 @@
 //! rise of the resident set during gradient and diagram, at its highest.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
+#[path = "clock.rs"]
+mod clock;
+
+use clock::processor_seconds;
 use std::time::Instant;
 
 use morsmooth::field::VertexOrder;
@@ -79,16 +83,6 @@ impl Clock {
         self.last = self.start;
         self.stage("all");
     }
-}
-
-/// Seconds that all threads of this program have spent on a processor: honest on a machine that others use too.
-fn processor_seconds() -> f64 {
-    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
-    let spent = |task: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(task.path().join("schedstat")).unwrap_or_default();
-        text.split(' ').next().and_then(|first| first.parse::<f64>().ok()).unwrap_or(0.0)
-    };
-    tasks.map(spent).sum::<f64>() * 1e-9
 }
 
 fn bumps(side: usize, noise: f64) -> Vec<f64> {

@@ -10,11 +10,14 @@
 //! cost is the floor. `inside` begins at a strictly feasible point instead; `four` solves four problems side by side.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
+#[path = "clock.rs"]
+mod clock;
 #[path = "peer.rs"]
 mod peer;
 #[path = "problems.rs"]
 mod problems;
 
+use clock::processor_seconds;
 use std::sync::OnceLock;
 use std::time::Instant;
 
@@ -75,16 +78,6 @@ fn warm(engine: &mut Engine, made: &problems::Instance, settings: &Settings) {
             (next.objective - cold.objective) / cold.objective
         );
     }
-}
-
-/// Seconds that all threads of this program have spent on a processor: honest on a machine that others use too.
-fn processor_seconds() -> f64 {
-    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
-    let spent = |task: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(task.path().join("schedstat")).unwrap_or_default();
-        text.split(' ').next().and_then(|first| first.parse::<f64>().ok()).unwrap_or(0.0)
-    };
-    tasks.map(spent).sum::<f64>() * 1e-9
 }
 
 /// Largest resident memory so far, MiB.

@@ -7,9 +7,12 @@
 //! Wall and processor seconds (all threads), the least of several runs. Sides above 700 want several GiB.
 #![allow(clippy::print_stdout, clippy::unwrap_used, dead_code)]
 
+#[path = "clock.rs"]
+mod clock;
 #[path = "problems.rs"]
 mod problems;
 
+use clock::processor_seconds;
 use std::time::Instant;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -31,16 +34,6 @@ fn best(repeats: usize, mut work: impl FnMut()) -> (f64, f64) {
     least
 }
 
-/// Seconds that all threads of this program have spent on a processor: honest on a machine that others use too.
-fn processor_seconds() -> f64 {
-    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
-    let spent = |task: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(task.path().join("schedstat")).unwrap_or_default();
-        text.split(' ').next().and_then(|first| first.parse::<f64>().ok()).unwrap_or(0.0)
-    };
-    tasks.map(spent).sum::<f64>() * 1e-9
-}
-
 /// `L (M^-1 L)^(k-1) + omega M` of a jittered grid, smoothing length 2 % of the side.
 fn polyharmonic(side: usize, order: usize) -> (CsrMatrix, Vec<[f64; 3]>) {
     let (points, triangles) = jittered_grid(side, 0.2, &mut Random(7));
@@ -52,10 +45,10 @@ fn polyharmonic(side: usize, order: usize) -> (CsrMatrix, Vec<[f64; 3]>) {
     }
     let omega = (0.02 * side as f64).powi(-2 * order as i32);
     let mut triplets = Vec::with_capacity(product.entries());
-    for row in 0..product.rows() {
+    for (row, mass) in mass.iter().enumerate() {
         let (columns, values) = product.row(row);
         triplets.extend(columns.iter().zip(values).map(|(&column, &value)| {
-            (row as u32, column, value + if column as usize == row { omega * mass[row] } else { 0.0 })
+            (row as u32, column, value + if column as usize == row { omega * mass } else { 0.0 })
         }));
     }
     (CsrMatrix::from_triplets(product.rows(), product.rows(), &triplets).unwrap(), points)

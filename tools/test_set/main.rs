@@ -11,6 +11,8 @@
 //! continuation to the same accuracy, `published` runs it to the end of its schedule.
 #![allow(clippy::print_stderr, clippy::expect_used, clippy::unwrap_used)]
 
+#[path = "../bench/clock.rs"]
+mod clock;
 mod cbf;
 mod export;
 mod fields;
@@ -22,6 +24,7 @@ mod problems;
 #[allow(dead_code)]
 mod scenes;
 
+use clock::processor_seconds;
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
@@ -141,13 +144,4 @@ impl Clock {
     fn seconds(&self) -> [f64; 2] {
         [self.0.elapsed().as_secs_f64(), processor_seconds() - self.1]
     }
-}
-
-fn processor_seconds() -> f64 {
-    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
-    let spent = |task: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(task.path().join("schedstat")).unwrap_or_default();
-        text.split(' ').next().and_then(|first| first.parse::<f64>().ok()).unwrap_or(0.0)
-    };
-    tasks.map(spent).sum::<f64>() * 1e-9
 }

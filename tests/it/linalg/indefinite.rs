@@ -85,7 +85,7 @@ proptest! {
     /// Dominant diagonals of either sign: stable under any order.
     #[test]
     fn random_signs_solve(n in 1usize..100, pairs in proptest::collection::vec((0usize..100, 0usize..100, -1.0f64..1.0), 0..300), count in 1usize..6) {
-        let sign = |i: usize| if i % 3 == 0 { -1.0 } else { 1.0 };
+        let sign = |i: usize| if i.is_multiple_of(3) { -1.0 } else { 1.0 };
         let mut triplets: Vec<(u32, u32, f64)> = (0..n as u32).map(|i| (i, i, 0.5 * sign(i as usize))).collect();
         for (i, j, value) in pairs {
             let (i, j) = (i % n, j % n);
