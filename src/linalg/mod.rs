@@ -31,5 +31,6 @@ pub use indefinite::Lblt;
 pub use ordering::{fill_reducing_order, minimum_degree, nested_dissection};
 pub use pattern::SymbolicCholesky;
 pub use permutation::Permutation;
+pub(crate) use product::sort_and_deduplicate;
 pub use sparse::{CsrMatrix, MatrixError};
 pub use value::Value;

@@ -106,16 +106,8 @@ impl CsrMatrix {
             for pattern in patterns {
                 indices.extend_from_slice(pattern.row(row).0);
             }
-            indices[begin..].sort_unstable();
-            let mut end = begin;
-            for place in begin..indices.len() {
-                if place == begin || indices[place] != indices[end - 1] {
-                    indices[end] = indices[place];
-                    end += 1;
-                }
-            }
-            indices.truncate(end);
-            offsets.push(end as u32);
+            sort_and_deduplicate(&mut indices, begin);
+            offsets.push(indices.len() as u32);
         }
         let values = vec![0.0; indices.len()];
         Self::from_parts(size, size, offsets, indices, values)
@@ -125,4 +117,17 @@ impl CsrMatrix {
     pub fn without_rows(columns: usize) -> Self {
         Self::from_parts(0, columns, vec![0], Vec::new(), Vec::new())
     }
+}
+
+/// Sorts what a list holds from a place on, and keeps each number there once.
+pub(crate) fn sort_and_deduplicate(indices: &mut Vec<u32>, begin: usize) {
+    indices[begin..].sort_unstable();
+    let mut end = begin;
+    for place in begin..indices.len() {
+        if place == begin || indices[place] != indices[end - 1] {
+            indices[end] = indices[place];
+            end += 1;
+        }
+    }
+    indices.truncate(end);
 }

@@ -1,6 +1,6 @@
 //! The problem: a quadratic objective in terms, fixed unknowns, rows in cones.
 
-use crate::linalg::CsrMatrix;
+use crate::linalg::{CsrMatrix, sort_and_deduplicate};
 
 use super::QpError;
 
@@ -151,16 +151,8 @@ impl Constraints {
             for row in first..first + order * (order + 1) / 2 {
                 indices.extend_from_slice(self.matrix.row(row).0);
             }
-            indices[begin..].sort_unstable();
-            let mut end = begin;
-            for place in begin..indices.len() {
-                if place == begin || indices[place] != indices[end - 1] {
-                    indices[end] = indices[place];
-                    end += 1;
-                }
-            }
-            indices.truncate(end);
-            offsets.push(end as u32);
+            sort_and_deduplicate(&mut indices, begin);
+            offsets.push(indices.len() as u32);
         }
         let values = vec![1.0; indices.len()];
         CsrMatrix::from_parts(self.members(), self.matrix.columns(), offsets, indices, values)

@@ -6,7 +6,7 @@
     python tools/reference/gudhi_pairs.py FILE --array A [--mask M] --example target/release/examples/extremum_pairs
     python tools/reference/gudhi_pairs.py FILE --array A [--mask M] --dump mesh.txt
     python tools/reference/gudhi_pairs.py --fields ../shared/data (--program target/release/morsmooth | --example E)
-    python tools/reference/gudhi_pairs.py --noisy 512 --program target/release/morsmooth
+    python tools/reference/gudhi_pairs.py --noisy 512 --example target/release/examples/extremum_pairs
 
 Pairs are those of dimension 0 of the lower-star filtration of h (minima) and of -h (maxima), as multisets of
 (birth, death), compared bit for bit. Pairs of persistence 0 are left out: which of them there are depends on how ties are
@@ -17,7 +17,8 @@ broken. The report is JSON with two lists, both in values of h:
 
 Grids are triangulated with the diagonal (i,j)-(i+1,j+1), boxes with Kuhn's six tetrahedra; a simplex stays if all its
 points are valid: the mask is not 0 and the value is a number. --fields compares the seven reference fields in a directory,
---noisy N a generated surface of N x N points: hills and white noise. Seconds are GUDHI's; `cargo run --release --example morse mesh` has ours on such a surface.
+--noisy N a generated surface of N x N points: hills and white noise. The example
+prints its own time in the same run: order of the vertices and pairs of both kinds.
 Exit code 0 if all pairs are equal, 1 if not.
 """
 
@@ -44,6 +45,9 @@ FIELDS = [
     ("surfaces/fsaverage5_pial_left.vtp", "thick", None),
     ("images/jacksboro_dem.vti", "elevation", "valid"),
 ]
+
+# What the example times between plain values and the pairs of both kinds.
+STAGES = ["vertex order", "pairs of the minima", "pairs of the maxima"]
 
 
 def grid_simplices(dimensions):
@@ -122,7 +126,11 @@ def reported(arguments, path, array, mask, values, simplices):
         else:
             command = [arguments.program, "extrema", path, "--array", array, "--report", out]
             command += ["--mask", mask] if mask else []
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        run = subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        stages = [line.split() for line in run.stderr.splitlines()]
+        spent = [float(words[-2]) for words in stages if " ".join(words[:-2]) in STAGES]
+        if len(spent) == len(STAGES):
+            print(f"morsmooth: {sum(spent) / 1000:.3f} s for {', '.join(STAGES)}")
         return json.loads(out.read_text())
 
 

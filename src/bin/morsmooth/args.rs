@@ -54,7 +54,7 @@ pub enum Command {
 /// Which field of which file, on which part of the domain.
 #[derive(Debug, Clone, Args)]
 pub struct FieldArgs {
-    /// VTK file to read: .vti .vtu .vtp .vtr .vts or legacy .vtk.
+    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, or a mesh: .obj .off .ply .stl .mesh .msh.
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several.
@@ -75,7 +75,7 @@ pub struct FieldArgs {
 /// Which fields of which file, on which part of the domain.
 #[derive(Debug, Clone, Args)]
 pub struct FieldsArgs {
-    /// VTK file to read: .vti .vtu .vtp .vtr .vts or legacy .vtk.
+    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, or a mesh: .obj .off .ply .stl .mesh .msh.
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several. May be given several times, or as a list a,b,c: each
@@ -132,7 +132,7 @@ pub struct TalkArgs {
 /// `morsmooth info`.
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// VTK file to read.
+    /// File to read.
     pub input: PathBuf,
 
     /// Array whose zeros are holes in the domain.

@@ -10,13 +10,11 @@ use crate::Outcome;
 use crate::args::ExtremaArgs;
 use crate::failure::Failure;
 use crate::input::FieldInput;
-use crate::number::short;
 use crate::output::{check_directory, check_report};
 use crate::report::{header, pairs, write_report};
+use crate::table::threshold_table;
 use crate::talk::Talk;
 
-/// Thresholds of the table, in per cent of the range.
-const THRESHOLDS: [f64; 9] = [0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 40.0];
 /// Gaps of the persistence curve that are listed.
 const GAPS: usize = 4;
 
@@ -57,17 +55,7 @@ pub fn run(args: &ExtremaArgs) -> Result<Outcome, Failure> {
     }
     if !args.talk.quiet {
         let mut out = std::io::stdout().lock();
-        let mut lines = vec![
-            format!("{} on {} vertices, values {} to {}", input.name, field.values.len(), short(low), short(high)),
-            format!("{}, boundary included", ExtremumCount { minima: field.minima.len(), maxima: field.maxima.len() }),
-            String::new(),
-            format!("{:>11} {:>14} {:>8} {:>8}", "persistence", "in file units", "minima", "maxima"),
-        ];
-        for percent in THRESHOLDS {
-            let threshold = percent / 100.0 * (high - low);
-            let (minima, maxima) = curve.at(threshold);
-            lines.push(format!("{:>11} {:>14} {minima:>8} {maxima:>8}", format!("> {percent} %"), short(threshold)));
-        }
+        let mut lines = threshold_table(&input.name, &field, &curve);
         if !gaps.is_empty() {
             lines.push(String::new());
             lines.push("widest gaps of the persistence curve, good places for a threshold:".to_owned());

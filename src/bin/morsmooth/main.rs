@@ -17,6 +17,7 @@ mod pictures;
 mod report;
 mod simplify;
 mod smooth;
+mod table;
 mod talk;
 mod wishes;
 mod written;

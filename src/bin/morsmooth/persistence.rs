@@ -18,10 +18,9 @@ use crate::input::FieldInput;
 use crate::number::{plain, short};
 use crate::output::{check_directory, check_output, check_report, is_same_place};
 use crate::report::{header, pairs, write_report};
+use crate::table::threshold_table;
 use crate::talk::Talk;
 
-/// Thresholds of the table, in per cent of the range.
-const THRESHOLDS: [f64; 10] = [0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 40.0, 50.0];
 /// Plateaus that are listed and drawn.
 const PLATEAUS: usize = 4;
 /// Plateaus by factor begin here, as a part of the range: below, factors are large and mean nothing.
@@ -289,7 +288,6 @@ fn lines(
     (curve, suggested): (&PersistenceCurve, &Suggested),
     diagram: Option<&PersistenceDiagram>,
 ) -> Vec<String> {
-    let (low, high) = field.range();
     let what = match length {
         Some(length) => format!(
             "{}, smooth field of order {} and length {} ({:.2} % of the diagonal),",
@@ -301,17 +299,7 @@ fn lines(
         None => input.name.clone(),
     };
     let count = |minima, maxima| ExtremumCount { minima, maxima };
-    let mut lines = vec![
-        format!("{what} on {} vertices, values {} to {}", field.values.len(), short(low), short(high)),
-        format!("{}, boundary included", count(field.minima.len(), field.maxima.len())),
-        String::new(),
-        format!("{:>11} {:>14} {:>8} {:>8}", "persistence", "in file units", "minima", "maxima"),
-    ];
-    for percent in THRESHOLDS {
-        let threshold = percent / 100.0 * (high - low);
-        let (minima, maxima) = curve.at(threshold);
-        lines.push(format!("{:>11} {:>14} {minima:>8} {maxima:>8}", format!("> {percent} %"), short(threshold)));
-    }
+    let mut lines = threshold_table(&what, field, curve);
     let listed = |gap: &PersistenceGap, width: String| {
         format!(
             "  --persistence {:<8} leaves {:<24} plateau {:.2} % to {:.2} %, {width}",

@@ -2,7 +2,7 @@
 
 use super::Penalty;
 use super::spectral::expand;
-use crate::linalg::FactorError;
+use crate::linalg::{FactorError, sort_and_deduplicate};
 use crate::linalg::small::{Square, from_scaled, scaled_length, symmetric_eigen, to_scaled};
 use crate::qp::{Engine, Problem, QpError};
 use rayon::prelude::*;
@@ -64,15 +64,7 @@ impl Blocks {
                 let free = names.iter().zip(values).filter(|&(&column, &value)| value != 0.0 && !engine.is_fixed[column as usize]);
                 columns.extend(free.map(|(column, _)| column));
             }
-            columns[first..].sort_unstable();
-            let mut end = first;
-            for place in first..columns.len() {
-                if place == first || columns[place] != columns[end - 1] {
-                    columns[end] = columns[place];
-                    end += 1;
-                }
-            }
-            columns.truncate(end);
+            sort_and_deduplicate(&mut columns, first);
             for entry in rows {
                 coefficients.extend(columns[first..].iter().map(|&column| matrix.get(entry, column as usize)));
             }
