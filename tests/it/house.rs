@@ -29,10 +29,13 @@ const FLOORS: [(&str, usize); 15] = [
 const FORBIDDEN: [(&str, &str); 1] = [("audit", "qp")];
 
 /// Where an outside crate may be named; nowhere else.
-const HOMES: [(&str, &[&str]); 17] = [
+const HOMES: [(&str, &[&str]); 20] = [
     ("faer", &["linalg"]),
     ("petgraph", &["morse", "monotone"]),
     ("spade", &["mesh/delaunay.rs"]),
+    ("robust", &["audit"]),
+    ("csv", &["io/formats/csv.rs"]),
+    ("jiff", &["io/formats/csv.rs"]),
     ("roxmltree", &["io"]),
     ("flate2", &["io"]),
     ("lz4_flex", &["io"]),
@@ -43,7 +46,7 @@ const HOMES: [(&str, &[&str]); 17] = [
     ("stl_io", &["io/formats/stl.rs"]),
     ("plotters", &["plot"]),
     ("plotters_backend", &["plot"]),
-    ("image", &["plot"]),
+    ("image", &["plot", "io/formats/png.rs"]),
     ("noto_sans_mono_bitmap", &["plot"]),
     ("clap", &["bin"]),
     ("indicatif", &["bin"]),
