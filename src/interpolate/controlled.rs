@@ -29,7 +29,7 @@ pub(super) struct Controlled<'a> {
     /// Value of a unit of the unknowns, and their zero.
     unit: f64,
     shift: f64,
-    rules: Vec<ValueRule>,
+    pub rules: Vec<ValueRule>,
 }
 
 /// A direction for every monotonicity edge, and a field that follows it strictly.
@@ -40,6 +40,16 @@ pub(super) struct Directions {
     pub passes: usize,
     /// Another function took the place of the one asked for.
     pub replaced: bool,
+}
+
+/// What keeps a function monotone after it was found.
+#[derive(Debug, Clone)]
+pub(super) struct Frame {
+    pub member: Vec<VertexId>,
+    pub node: Vec<u32>,
+    pub graph: MonotonicityGraph,
+    pub levels: Levels,
+    pub rules: Vec<ValueRule>,
 }
 
 /// A field on the nodes, strict along the directions.

@@ -12,7 +12,7 @@ use crate::qp::{Constraints, Engine, Minimum, Objective, Problem, QpStatus, Sett
 
 use super::boundary::{fixed_values, range};
 use super::contraction::Contraction;
-use super::controlled::{Controlled, guiding};
+use super::controlled::{Controlled, Directions, Frame, guiding};
 use super::lanes::in_lanes;
 use super::method::{InterpolateOptions, Mass, Method};
 use super::InterpolateError;
@@ -21,6 +21,22 @@ use super::InterpolateError;
 const RESIDUAL: f64 = 1e-8;
 /// A row counts as active if the solution is this much closer to it than the range of the values.
 const ACTIVE: f64 = 1e-7;
+/// A value this near to a bound, as part of the distance of the bounds, lies on it.
+const ON_BOUND: f64 = 1e-6;
+
+/// Whether monotone functions keep their frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Frames {
+    Kept,
+    Dropped,
+}
+
+/// What solves of [`Method::Monotone`] begin with, one of each a function.
+pub(super) struct Parts {
+    pub fixed: Vec<Vec<Option<f64>>>,
+    pub harmonic: Vec<Vec<f64>>,
+    pub pinned: Vec<Vec<f64>>,
+}
 
 /// The values that a function must have.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -251,40 +267,76 @@ impl<'a> Interpolator<'a> {
             Method::Bounded => {
                 let pinned = minimisers(&mut self.engines[0], &self.smooth, &fixed)?;
                 self.side_by_side(fixed.len(), options, |this, engine, job| {
-                    this.bounded(engine, &fixed[job], &pinned[job].0.x, options)
+                    let clock = Instant::now();
+                    let mut found = this.bounded(engine, &fixed[job], &pinned[job].0.x, options)?;
+                    found.report.seconds = clock.elapsed().as_secs_f64();
+                    Ok(found)
                 })
             }
             Method::Monotone => {
-                let harmonic = minimisers(&mut self.laplace, &self.positive, &fixed)?;
-                let pinned = minimisers(&mut self.engines[0], &self.smooth, &fixed)?;
-                self.side_by_side(fixed.len(), options, |this, engine, job| {
-                    let wanted = given[job].wanted.as_ref();
-                    let contraction = Contraction::new(this.complex, &fixed[job], &harmonic[job].0.x, wanted)?;
-                    this.monotone(engine, &contraction, (&pinned[job].0.x, &harmonic[job].0.x), options)
-                })
+                let parts = self.parts(given)?;
+                let found = self.monotone_each(given, &parts, (options, Frames::Dropped))?;
+                Ok(found.into_iter().map(|(found, _)| found).collect())
             }
         }
     }
 
+    /// Checked values, harmonic functions for positive edge weights, and minimisers of the energy.
+    pub(super) fn parts(&mut self, given: &[BoundaryValues]) -> Result<Parts, InterpolateError> {
+        let fixed = given.iter().map(|given| fixed_values(self.complex, &self.component, &given.values));
+        let fixed = fixed.collect::<Result<Vec<_>, _>>()?;
+        let values = |found: Vec<(Minimum, f64)>| found.into_iter().map(|(minimum, _)| minimum.x).collect();
+        let harmonic = values(minimisers(&mut self.laplace, &self.positive, &fixed)?);
+        let pinned = values(minimisers(&mut self.engines[0], &self.smooth, &fixed)?);
+        Ok(Parts { fixed, harmonic, pinned })
+    }
+
+    /// The energy as an objective.
+    pub(super) fn smooth(&self) -> &Objective {
+        &self.smooth
+    }
+
+    /// Monotone functions with what keeps them monotone.
+    pub(super) fn framed(
+        &mut self,
+        given: &[BoundaryValues],
+        options: &InterpolateOptions,
+    ) -> Result<Vec<(Interpolated, Option<Frame>)>, InterpolateError> {
+        let parts = self.parts(given)?;
+        self.monotone_each(given, &parts, (options, Frames::Kept))
+    }
+
+    fn monotone_each(
+        &mut self,
+        given: &[BoundaryValues],
+        parts: &Parts,
+        (options, frames): (&InterpolateOptions, Frames),
+    ) -> Result<Vec<(Interpolated, Option<Frame>)>, InterpolateError> {
+        self.side_by_side(given.len(), options, |this, engine, job| {
+            let clock = Instant::now();
+            let (pinned, harmonic) = (&parts.pinned[job], &parts.harmonic[job]);
+            let wanted = given[job].wanted.as_ref();
+            let contraction = Contraction::new(this.complex, &parts.fixed[job], harmonic, wanted)?;
+            let (mut found, frame) = this.monotone(engine, &contraction, (pinned, harmonic), options)?;
+            found.report.seconds = clock.elapsed().as_secs_f64();
+            Ok((found, (frames == Frames::Kept).then_some(frame)))
+        })
+    }
+
     /// Runs jobs on several engines, which are made for it and dropped afterwards.
-    fn side_by_side(
+    fn side_by_side<T: Send>(
         &mut self,
         jobs: usize,
         options: &InterpolateOptions,
-        work: impl Fn(&Self, &mut Engine, usize) -> Result<Interpolated, InterpolateError> + Sync,
-    ) -> Result<Vec<Interpolated>, InterpolateError> {
+        work: impl Fn(&Self, &mut Engine, usize) -> Result<T, InterpolateError> + Sync,
+    ) -> Result<Vec<T>, InterpolateError> {
         let lanes = options.at_once.unwrap_or_else(rayon::current_num_threads).min(jobs).max(1);
         let mut engines = std::mem::take(&mut self.engines);
         while engines.len() < lanes {
             engines.push(engines[0].fork());
         }
         let this = &*self;
-        let found = in_lanes(&mut engines, jobs, |engine, job| {
-            let clock = Instant::now();
-            let mut found = work(this, engine, job)?;
-            found.report.seconds = clock.elapsed().as_secs_f64();
-            Ok(found)
-        });
+        let found = in_lanes(&mut engines, jobs, |engine, job| work(this, engine, job));
         engines.truncate(1);
         self.engines = engines;
         found
@@ -330,9 +382,13 @@ impl<'a> Interpolator<'a> {
         let settings = Settings { relative_gap: options.relative_gap, ..Settings::default() };
         let start: Vec<f64> = near.iter().map(|&value| inside(value)).collect();
         let solution = engine.solve(&problem, Some(&start), &settings, &mut |_| {})?;
-        let clamp = |value: f64| options.precision.round(value.clamp(low, high));
-        let values: Vec<f64> =
-            solution.x.iter().zip(fixed).map(|(x, value)| value.unwrap_or_else(|| clamp(low + unit * x))).collect();
+        // An interior point ends a little off the bounds that hold it.
+        let snap = |x: f64| match x {
+            x if x < ON_BOUND => low,
+            x if x > 1.0 - ON_BOUND => high,
+            x => options.precision.round((low + unit * x).clamp(low, high)),
+        };
+        let values: Vec<f64> = solution.x.iter().zip(fixed).map(|(&x, value)| value.unwrap_or_else(|| snap(x))).collect();
         let report = InterpolateReport {
             energy: self.energy(&values),
             residual: solution.kkt.stationarity,
@@ -354,7 +410,7 @@ impl<'a> Interpolator<'a> {
         contraction: &Contraction,
         (pinned, harmonic): (&[f64], &[f64]),
         options: &InterpolateOptions,
-    ) -> Result<Interpolated, InterpolateError> {
+    ) -> Result<(Interpolated, Frame), InterpolateError> {
         let held;
         let pinned = match contraction.constant {
             0 => pinned,
@@ -389,7 +445,10 @@ impl<'a> Interpolator<'a> {
             status: strict.solution.status,
             ..InterpolateReport::solved()
         };
-        Ok(Interpolated { values, report })
+        let Directions { graph, levels, .. } = strict.directions;
+        let (member, node) = (contraction.member.clone(), contraction.node.clone());
+        let frame = Frame { member, node, graph, levels, rules: controlled.rules };
+        Ok((Interpolated { values, report }, frame))
     }
 
     /// The energy whose objective is 1.
@@ -402,7 +461,8 @@ impl<'a> Interpolator<'a> {
 }
 
 impl InterpolateReport {
-    fn solved() -> Self {
+    /// That of a solve without inequalities.
+    pub(super) fn solved() -> Self {
         Self {
             energy: 0.0,
             status: QpStatus::Solved,

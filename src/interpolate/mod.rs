@@ -14,11 +14,16 @@
 mod boundary;
 mod contraction;
 mod controlled;
+mod coupled;
 mod error;
 mod interpolator;
 mod lanes;
 mod method;
+mod partition;
+mod weights;
 
 pub use error::InterpolateError;
 pub use interpolator::{BoundaryValues, InterpolateReport, Interpolated, Interpolator};
 pub use method::{Guide, InterpolateOptions, Mass, Method};
+pub use partition::{distance_from_unity, keep_strongest, normalise};
+pub use weights::{Partition, SkinningWeights, WeightOptions, WeightReport, skinning_weights};
