@@ -25,7 +25,10 @@ mod energy;
 mod error;
 mod orientation;
 mod rest;
+pub mod rotations;
+pub mod skinning;
 mod state;
+mod weights;
 
 pub use deformer::{DeformOptions, Deformer, Hold};
 pub use energy::DeformEnergy;
