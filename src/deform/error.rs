@@ -1,7 +1,7 @@
 //! What a deformation refuses.
 
 use crate::field::VertexId;
-use crate::linalg::MatrixError;
+use crate::linalg::{FactorError, MatrixError};
 
 /// Why a shape cannot be deformed as asked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -101,4 +101,10 @@ pub enum DeformError {
     /// The assembled numbers are no matrix.
     #[error(transparent)]
     Matrix(#[from] MatrixError),
+    /// A method of comparison that needs soft handles was given hard ones.
+    #[error("the handles are hard; this method of comparison needs soft ones")]
+    SoftHandles,
+    /// A matrix of a method of comparison could not be analysed.
+    #[error(transparent)]
+    Factor(#[from] FactorError),
 }

@@ -19,6 +19,7 @@
 //! Liu, Gao, Zhu, Sifakis, Kavan 2016, *Fast and robust inversion-free shape manipulation*, equations 1 to 5; the cone is
 //! that of Kovalsky, Aigerman, Basri, Lipman 2014, *Controlling singular values with semidefinite programming*.
 
+mod comparison;
 mod cones;
 mod deformer;
 mod energy;
@@ -27,6 +28,9 @@ mod orientation;
 mod rest;
 mod state;
 
+pub use comparison::{
+    AugmentedOptions, Barrier, BarrierOptions, Compared, Comparison, DetPenaltyOptions, Ending, Lagrangian,
+};
 pub use deformer::{DeformOptions, Deformer, Hold};
 pub use energy::DeformEnergy;
 pub use error::DeformError;
