@@ -32,8 +32,11 @@ mod orientation;
 mod outcome;
 mod polar;
 mod rest;
+pub mod rotations;
+pub mod skinning;
 mod solver;
 mod state;
+mod weights;
 
 pub use blame::Blame;
 pub use comparison::{
