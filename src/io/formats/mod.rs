@@ -3,6 +3,7 @@
 //! Points keep their numbers, since handles and extrema are named by them; the crate `tobj` renumbers points by group and
 //! no maintained crate reads `.off`, Medit or Gmsh files, so these four are read here. `.ply` and `.stl` go through crates.
 
+mod csv;
 mod format;
 mod gmsh;
 mod gmsh_write;
@@ -13,7 +14,9 @@ mod parts;
 mod ply;
 mod shapes;
 mod stl;
+mod table;
 
 pub(super) use format::MeshFormat;
 pub(super) use parts::{kind, poly_data};
 pub(super) use shapes::Shapes;
+pub use table::{Table, TableAxis};

@@ -8,6 +8,7 @@ mod refusals;
 mod replacing;
 mod roundtrip;
 mod speed;
+mod tables;
 
 use std::path::{Path, PathBuf};
 
