@@ -26,11 +26,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Table, Fault> {
     let mut record = ByteRecord::new();
     let mut header_line = None;
     loop {
+        let start = reader.position().byte() as usize;
         let more = reader.read_byte_record(&mut record).map_err(|error| {
             let line = error.position().map_or(Place::File, |position| Place::Line(position.line() as usize));
             Fault::new(line, error.to_string(), "rows of cells")
         })?;
-        let start = record.position().filter(|_| more).map_or(bytes.len(), |position| position.byte() as usize);
         let (line, comments) = scan.to_row(start);
         let above = table.rows.len();
         table.comments.extend(comments.into_iter().map(|comment| (above, comment)));

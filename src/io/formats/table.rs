@@ -163,6 +163,10 @@ impl Table {
     /// [`IoError::Malformed`] with line and column for a cell that is no finite number, and where a column has decimal commas
     /// as well as decimal points.
     pub fn numbers(&self, column: usize) -> Result<Vec<f64>, IoError> {
+        self.numbers_or_fault(column).map_err(|fault| fault.in_file(&self.path))
+    }
+
+    pub(super) fn numbers_or_fault(&self, column: usize) -> Result<Vec<f64>, Fault> {
         let mut mark: Option<(char, usize)> = None;
         let mut value = |row: &Row| {
             let cell = row.cells[column].as_str();
@@ -186,7 +190,7 @@ impl Table {
             }
             Ok(value)
         };
-        self.rows.iter().map(|row| value(row)).collect::<Result<_, Fault>>().map_err(|fault| fault.in_file(&self.path))
+        self.rows.iter().map(&mut value).collect()
     }
 
     /// The positions of a column: numbers, or dates as days since 1970-01-01.
@@ -197,6 +201,10 @@ impl Table {
     /// # Errors
     /// [`IoError::Malformed`] with line and column for a cell that is missing, or no number and no date.
     pub fn axis(&self, column: usize) -> Result<TableAxis, IoError> {
+        self.axis_or_fault(column).map_err(|fault| fault.in_file(&self.path))
+    }
+
+    pub(super) fn axis_or_fault(&self, column: usize) -> Result<TableAxis, Fault> {
         let is_compact = |cell: &str| cell.len() == 8 && cell.bytes().all(|byte| byte.is_ascii_digit()) && csv::day(cell).is_some();
         let all_compact = !self.is_empty() && self.rows.iter().all(|row| is_compact(&row.cells[column]));
         let value = |row: &Row| match Value::of(&row.cells[column], self.delimiter) {
@@ -219,7 +227,7 @@ impl Table {
             }
         };
         let values: Result<Vec<f64>, Fault> = self.rows.iter().map(checked).collect();
-        Ok(TableAxis { values: values.map_err(|fault| fault.in_file(&self.path))?, is_dates })
+        values.map(|values| TableAxis { values, is_dates })
     }
 
     /// Adds a column of texts on the right, or replaces the cells of the one that has this name.
