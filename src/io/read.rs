@@ -11,12 +11,13 @@ use super::parallel::read_indexed;
 use super::{legacy, xml};
 
 /// Reads a data set from a VTK XML file (`.vti .vtr .vts .vtp .vtu`), a parallel one (`.pvti .pvtr .pvts .pvtp .pvtu`), a legacy
-/// `.vtk` file, or a mesh file (`.obj .off .ply .stl .mesh .msh`).
+/// `.vtk` file, a mesh file (`.obj .off .ply .stl .mesh .msh`), or a table (`.csv .tsv`).
 ///
 /// Pieces of a parallel file become one data set without seams: ghost cells are left out, and points that stand in several pieces are one.
 /// A collection (`.vtm .pvd`) is read if it names one file. The content tells VTK's files, whatever they are called; mesh files are told by their extension. Several pieces in one
 /// file become one data set. Surfaces become poly data, Medit and Gmsh meshes unstructured grids; points keep their
-/// numbers (but for `.stl`, which has none).
+/// numbers (but for `.stl`, which has none). A table becomes a polyline: a point a row, along its dates or its first rising or falling
+/// column.
 ///
 /// # Errors
 /// [`IoError::Read`] if there is no such file, [`IoError::Unsupported`] for other formats, [`IoError::Malformed`] with
@@ -77,7 +78,7 @@ fn is_xml(bytes: &[u8]) -> bool {
 }
 
 fn read_bytes(bytes: &[u8], format: Option<MeshFormat>) -> Result<DataSet, Fault> {
-    const KNOWN: &str = "a serial VTK XML file, a legacy .vtk file, or a mesh (.obj .off .ply .stl .mesh .msh)";
+    const KNOWN: &str = "a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv)";
     if bytes.starts_with(b"# vtk DataFile") {
         return legacy::read(bytes);
     }

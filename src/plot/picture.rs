@@ -69,6 +69,11 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// A picture of pixels, row by row from the upper left corner.
+    pub(super) fn of_pixels(width: u32, height: u32, pixels: Vec<Rgb>) -> Self {
+        Self { width, height, pixels }
+    }
+
     /// Width in pixels.
     pub fn width(&self) -> u32 {
         self.width

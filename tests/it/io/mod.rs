@@ -9,6 +9,7 @@ mod refusals;
 mod replacing;
 mod roundtrip;
 mod speed;
+mod tables;
 
 use std::path::{Path, PathBuf};
 
