@@ -7,6 +7,9 @@
 //! What is handled: several components, boundary, any genus, non-manifold edges, faces and vertices, unoriented
 //! meshes, duplicate cells and points, collapsed cells, unreferenced points, cells of lower dimension. What is
 //! refused: coordinates that are not finite, simplices of zero measure, cells without a linear subdivision.
+//!
+//! [`triangulate`] fills outlines with triangles. [`HandleSet::attach`] finds the vertices that carry points, bones, regions and
+//! cages, and a [`Pose`] says where they go.
 
 mod attach;
 mod build;
@@ -18,6 +21,7 @@ mod error;
 mod explicit;
 mod fault;
 mod faults;
+mod fold;
 mod grid;
 mod handle_error;
 mod handles;
@@ -41,6 +45,7 @@ pub use domain::{Domain, Mask};
 pub use error::DomainError;
 pub use fault::{MeshFault, Severity};
 pub use faults::{check, faults};
+pub use fold::{Fold, folds};
 pub use grid::{Grid, GridGeometry};
 pub use handle_error::HandleError;
 pub use handles::{AttachedHandles, Handle, HandleSet, HandleShape, SharedVertex};
