@@ -346,6 +346,14 @@ pub struct ConvertArgs {
     /// File to write; its extension, one of the same, chooses the format.
     pub output: PathBuf,
 
+    /// Read a .csv file as an outline (columns x and y; an empty line or a column 'ring' parts rings) and fill it with triangles.
+    #[arg(long)]
+    pub outline: bool,
+
+    /// How an outline is filled.
+    #[command(flatten)]
+    pub fill: OutlineArgs,
+
     /// What is said, and threads.
     #[command(flatten)]
     pub talk: TalkArgs,
