@@ -1,13 +1,16 @@
 //! Solves deformations one after the other: the rest shape is analysed once, a moved handle costs iterations only.
 
 use super::{
-    Begin, Blame, DeformError, DeformOptions, DeformStatus, Deformed, Deformer, Effort, ElementReport, HandlePlace, HeldVertices, Hold,
+    Begin, Blame, DeformError, DeformOptions, DeformStatus, Deformed, Deformer, Effort, ElementReport, FactorChoice, HandlePlace, HeldVertices, Hold,
     OnContradiction, SolveMethod, SolveOptions, nearest_rotations,
 };
 use crate::audit::{Precision, orientations};
 use crate::linalg::small::{from_scaled, scaled_length, smallest_eigenvalue};
 use crate::mesh::SimplicialComplex;
-use crate::qp::{Engine, Iterate, PenaltyOptions, Problem, QpStatus, Solution};
+use crate::qp::{Engine, FactorPrecision, Iterate, PenaltyOptions, Problem, QpStatus, Solution};
+
+/// Operations of a factorisation from which single precision pays although it needs more solves.
+const HEAVY: f64 = 5e9;
 
 /// An iterate of a solve, shown while it runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,6 +104,32 @@ impl DeformSolver {
     /// The held vertices.
     pub fn held(&self) -> &HeldVertices {
         &self.held
+    }
+
+    /// Chooses the numbers that the factor is made of.
+    ///
+    /// # Arguments
+    /// * `memory`: bytes that the factor may take; [`FactorChoice::Automatic`] falls back to 32 bits beyond that.
+    pub fn choose_factor(&mut self, choice: FactorChoice, memory: usize) {
+        let fits = self.engine.factor_bytes(FactorPrecision::Double) <= memory;
+        self.engine.set_precision(match choice {
+            FactorChoice::Double => FactorPrecision::Double,
+            FactorChoice::Single => FactorPrecision::Single,
+            FactorChoice::Automatic if !fits => FactorPrecision::Single,
+            FactorChoice::Automatic if self.engine.factor_flops() > HEAVY => FactorPrecision::Adaptive,
+            FactorChoice::Automatic => FactorPrecision::Double,
+        });
+    }
+
+    /// Operations of a factorisation, and bytes of a factor in double and in single precision with its work memory, estimated.
+    pub fn factor_cost(&self) -> (f64, [usize; 2]) {
+        let bytes = [FactorPrecision::Double, FactorPrecision::Single].map(|precision| self.engine.factor_bytes(precision));
+        (self.engine.factor_flops(), bytes)
+    }
+
+    /// The numbers that the factor is made of.
+    pub fn precision(&self) -> FactorPrecision {
+        self.engine.precision()
     }
 
     /// Nonzeros of the factor.

@@ -18,7 +18,7 @@ mod scenes;
 mod second_order;
 
 use clock::processor_seconds;
-use morsmooth::deform::{DeformOptions, DeformSolver, HeldVertices, Hold, SolveMethod, SolveOptions};
+use morsmooth::deform::{DeformOptions, DeformSolver, FactorChoice, HeldVertices, Hold, SolveMethod, SolveOptions};
 use morsmooth::qp::{Penalty, Settings};
 use scenes::{Load, Scene};
 use std::time::Instant;
@@ -80,7 +80,18 @@ fn run(name: &str, scene: &Scene, arguments: &[String]) {
     let (clock, wall) = (processor_seconds(), Instant::now());
     let held = HeldVertices::unnamed(scene.handles.clone());
     let mut solver = DeformSolver::new(&scene.complex, held, options).unwrap();
+    let factor = match value(arguments, "factor").unwrap_or("automatic") {
+        "double" => FactorChoice::Double,
+        "single" => FactorChoice::Single,
+        _ => FactorChoice::Automatic,
+    };
+    solver.choose_factor(factor, (number(arguments, "memory", 12.0) * (1u64 << 30) as f64) as usize);
     let (analysis, analysis_wall) = (processor_seconds() - clock, wall.elapsed().as_secs_f64());
+    if is_asked("analyse") {
+        let (flops, bytes) = solver.factor_cost();
+        println!("{name}: {} nonzeros, {flops:.2e} operations, {bytes:?} bytes, {analysis:.2} s", solver.factor_entries());
+        return;
+    }
     let mut best: Option<(f64, f64, morsmooth::deform::Deformed)> = None;
     for _ in 0..number(arguments, "repeat", 1.0) as usize {
         let (clock, wall) = (processor_seconds(), Instant::now());
@@ -111,6 +122,9 @@ fn run(name: &str, scene: &Scene, arguments: &[String]) {
         "iterations": deformed.effort.iterations,
         "factorizations": deformed.effort.factorizations,
         "solves": deformed.effort.solves,
+        "factor": solver.precision(),
+        "factor_flops": solver.factor_cost().0,
+        "factor_bytes": solver.factor_cost().1,
         "factor_entries": deformed.effort.factor_entries,
         "factor_seconds": deformed.effort.factor_seconds,
         "analysis_processor": analysis,
