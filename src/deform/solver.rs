@@ -2,7 +2,7 @@
 
 use super::{
     Begin, Blame, DeformError, DeformOptions, DeformStatus, Deformed, Deformer, Effort, ElementReport, FactorChoice, HandlePlace, HeldVertices, Hold,
-    OnContradiction, SolveMethod, SolveOptions, nearest_rotations,
+    OnContradiction, RestShape, SolveMethod, SolveOptions, nearest_rotations,
 };
 use crate::audit::{Precision, orientations};
 use crate::linalg::small::{from_scaled, scaled_length, smallest_eigenvalue};
@@ -10,7 +10,10 @@ use crate::mesh::SimplicialComplex;
 use crate::qp::{Engine, FactorPrecision, Iterate, PenaltyOptions, Problem, QpStatus, Solution};
 
 /// Operations of a factorisation from which single precision pays although it needs more solves.
-const HEAVY: f64 = 5e9;
+const HEAVY: f64 = 1e11;
+
+/// Slack, in units of F, from which on no cone counts as active: where nothing is held back all multipliers are tiny alike.
+const NEAR: f64 = 1e-3;
 
 /// An iterate of a solve, shown while it runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,8 +75,21 @@ impl DeformSolver {
     /// # Cost
     /// About one numeric factorisation.
     pub fn new(complex: &SimplicialComplex, held: HeldVertices, options: DeformOptions) -> Result<Self, DeformError> {
+        Self::with_rest(complex, RestShape::new(complex)?, held, options)
+    }
+
+    /// As [`DeformSolver::new`], with a rest shape of one's own, such as [`RestShape::untangled`].
+    ///
+    /// # Errors
+    /// As [`DeformSolver::new`].
+    pub fn with_rest(
+        complex: &SimplicialComplex,
+        rest: RestShape,
+        held: HeldVertices,
+        options: DeformOptions,
+    ) -> Result<Self, DeformError> {
         held.check()?;
-        let deformer = Deformer::new(complex, &held.vertices, options)?;
+        let deformer = Deformer::with_rest(rest, &held.vertices, options)?;
         let rotations = vec![[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; complex.simplex_count()];
         let targets: Vec<[f64; 3]> = held.vertices.iter().map(|vertex| complex.points()[vertex.index()]).collect();
         // Rotations and targets move numbers but no pattern.
@@ -286,7 +302,7 @@ impl DeformSolver {
     }
 }
 
-/// Blocks whose multiplier, in units of the largest one, outweighs their slack.
+/// Blocks near the boundary of their cone whose multiplier, in units of the largest one, outweighs their slack.
 fn active(solution: &Solution, dimension: usize) -> Vec<bool> {
     if dimension == 2 { outweighed::<2>(solution) } else { outweighed::<3>(solution) }
 }
@@ -296,5 +312,9 @@ fn outweighed<const D: usize>(solution: &Solution) -> Vec<bool> {
     let blocks = || solution.dual.chunks(scaled_length(D));
     let most = blocks().map(trace).fold(0.0, f64::max);
     let slacks = solution.slack.chunks(scaled_length(D));
-    blocks().zip(slacks).map(|(z, s)| trace(z) > most * smallest_eigenvalue(&from_scaled::<D>(s))).collect()
+    let is_active = |(z, s): (&[f64], &[f64])| {
+        let least = smallest_eigenvalue(&from_scaled::<D>(s));
+        least < NEAR && trace(z) > most * least
+    };
+    blocks().zip(slacks).map(is_active).collect()
 }

@@ -335,6 +335,9 @@ impl Engine {
         let tried = self.system.factor(&self.symbolic, &self.values);
         self.is_factored = tried.is_ok();
         let Err(mut failed) = tried else { return Ok(()) };
+        if self.escalate() {
+            return self.factor_values();
+        }
         let typical = self.diagonal.iter().map(|&slot| self.values[slot as usize]).fold(0.0, f64::max);
         if !typical.is_finite() {
             return Err(failed.into());

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release --example deform -- SCENE[,SCENE..] [method=ipm|quadratic|cubic|spline] [factor=automatic|double|single]
-//!     [memory=GIB] [gap=1e-7] [nu=0] [hard] [clarabel] [repeat=N] [verbose]
+//!     [memory=GIB] [gap=1e-6] [nu=0] [hard] [best] [rounds=0] [warm] [clarabel] [repeat=N] [verbose]
 //! ```
 //!
 //! Scenes: `quad-80` (`4 cells²` triangles), `swirl-80-270` (cells, degrees), `ball-10` (cubes across), `bar-50-6-170`
@@ -18,7 +18,7 @@ mod scenes;
 mod second_order;
 
 use clock::processor_seconds;
-use morsmooth::deform::{DeformOptions, DeformSolver, FactorChoice, HeldVertices, Hold, SolveMethod, SolveOptions};
+use morsmooth::deform::{Begin, DeformOptions, DeformSolver, FactorChoice, HeldVertices, Hold, OnContradiction, SolveMethod, SolveOptions};
 use morsmooth::qp::{Penalty, Settings};
 use scenes::{Load, Scene};
 use std::time::Instant;
@@ -50,6 +50,8 @@ fn scene(name: &str) -> Scene {
         "ball" => scenes::ball(count(0)),
         "bar" => scenes::bar(count(0), count(1), numbers[2]),
         "twist" => scenes::rod(count(0), count(1), Load::Twist(numbers[2])),
+        "lone" => scenes::lone(count(0), numbers[1]),
+        "shaken" => scenes::shaken(count(0), numbers[1], numbers[2] as u64),
         "stretch" => scenes::rod(count(0), count(1), Load::Stretch(numbers[2])),
         other => panic!("no scene {other}"),
     }
@@ -75,8 +77,14 @@ fn run(name: &str, scene: &Scene, arguments: &[String]) {
         "spline" => SolveMethod::Penalty(Penalty::Spline),
         _ => SolveMethod::InteriorPoint,
     };
-    let settings = Settings { relative_gap: number(arguments, "gap", 1e-7), ..Settings::default() };
-    let solve = SolveOptions { method, settings, ..SolveOptions::default() };
+    let settings = Settings { relative_gap: number(arguments, "gap", 1e-6), ..Settings::default() };
+    let solve = SolveOptions {
+        method,
+        settings,
+        rounds: number(arguments, "rounds", 0.0) as usize,
+        on_contradiction: if is_asked("best") { OnContradiction::KeepBest } else { OnContradiction::Name },
+        ..SolveOptions::default()
+    };
     let (clock, wall) = (processor_seconds(), Instant::now());
     let held = HeldVertices::unnamed(scene.handles.clone());
     let mut solver = DeformSolver::new(&scene.complex, held, options).unwrap();
@@ -107,6 +115,9 @@ fn run(name: &str, scene: &Scene, arguments: &[String]) {
         }
     }
     let (processor, wall, deformed) = best.unwrap();
+    if is_asked("warm") {
+        moved_handles(&mut solver, scene, &solve);
+    }
     let peer = if is_asked("clarabel") {
         let problem = solver.problem(&scene.rotations, &scene.targets).unwrap();
         second_order::clarabel(&problem, deformed.energy.total())
@@ -116,6 +127,7 @@ fn run(name: &str, scene: &Scene, arguments: &[String]) {
     let row = serde_json::json!({
         "scene": name,
         "method": deformed.method,
+        "substitute": deformed.substitute,
         "elements": scene.complex.simplex_count(),
         "vertices": scene.complex.vertex_count(),
         "status": deformed.status,
@@ -143,4 +155,27 @@ fn run(name: &str, scene: &Scene, arguments: &[String]) {
         "clarabel": peer,
     });
     println!("{row}");
+}
+
+/// Moves the handles a little, step by step, and solves cold and warm.
+fn moved_handles(solver: &mut DeformSolver, scene: &Scene, options: &SolveOptions) {
+    for step in 1..=3 {
+        let shift = 0.002 * f64::from(step);
+        let targets: Vec<[f64; 3]> = scene
+            .targets
+            .iter()
+            .zip(&scene.handles)
+            .map(|(&[x, y, z], vertex)| if [x, y, z] == scene.complex.points()[vertex.index()] { [x, y, z] } else { [x + shift, y, z] })
+            .collect();
+        let warm = SolveOptions { begin: Begin::Warm, ..*options };
+        let next = solver.solve(&scene.rotations, &targets, &warm, &mut |_| {}).unwrap();
+        let cold = solver.fork().solve(&scene.rotations, &targets, options, &mut |_| {}).unwrap();
+        let off = (next.energy.total() - cold.energy.total()) / cold.energy.total();
+        println!(
+            "moved by {shift}: {} factorizations cold, {} warm ({}), energies differ by {off:.1e}",
+            cold.effort.factorizations,
+            next.effort.factorizations,
+            next.is_certified()
+        );
+    }
 }
