@@ -3,10 +3,12 @@
 
 mod extrema;
 mod orientation;
+mod plateaus;
 mod report;
 
 pub use extrema::{Extrema, StrictExtrema, extrema, strict_extrema};
 pub use orientation::{OrientationError, OrientationReport, Precision, orientations};
+pub use plateaus::{PlateauReport, audit_plateaus};
 pub use report::{
     AuditReport, Defects, ExtremumType, LISTED_DEFECTS, MovedValue, Plateaus, ValueRule, Wanted, audit, moved_values,
 };

@@ -1,8 +1,8 @@
 //! What a deformation refuses.
 
-use crate::field::VertexId;
 use crate::audit::OrientationError;
-use crate::linalg::MatrixError;
+use crate::field::VertexId;
+use crate::linalg::{FactorError, MatrixError};
 use crate::qp::QpError;
 
 /// Why a shape cannot be deformed as asked.
@@ -119,4 +119,10 @@ pub enum DeformError {
     /// The assembled numbers are no matrix.
     #[error(transparent)]
     Matrix(#[from] MatrixError),
+    /// A method of comparison that needs soft handles was given hard ones.
+    #[error("the handles are hard; this method of comparison needs soft ones")]
+    SoftHandles,
+    /// A matrix of a method of comparison could not be analysed.
+    #[error(transparent)]
+    Factor(#[from] FactorError),
 }

@@ -21,6 +21,7 @@
 
 mod blame;
 mod closest;
+mod comparison;
 mod cones;
 mod deformer;
 mod energy;
@@ -31,10 +32,16 @@ mod orientation;
 mod outcome;
 mod polar;
 mod rest;
+pub mod rotations;
+pub mod skinning;
 mod solver;
 mod state;
+mod weights;
 
 pub use blame::Blame;
+pub use comparison::{
+    AugmentedOptions, Barrier, BarrierOptions, Compared, Comparison, DetPenaltyOptions, Ending, Lagrangian,
+};
 pub use deformer::{DeformOptions, Deformer, Hold};
 pub use energy::DeformEnergy;
 pub use error::DeformError;

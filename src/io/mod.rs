@@ -13,10 +13,12 @@ mod error;
 mod formats;
 mod legacy;
 mod lexer;
+mod parallel;
 mod pending;
 mod read;
 mod reshape;
 mod ttk;
+mod weld;
 mod write;
 mod xml;
 
@@ -25,6 +27,7 @@ pub use dataset::{Attributes, CellArray, DataSet, Extent, Geometry, IndexWidth, 
 pub use diagram::{DiagramField, DiagramLayout, diagram_dataset};
 pub use domain::{DomainIoError, MaskSources, domain, grid, mask};
 pub use error::{IoError, Place};
+pub use formats::{Table, TableAxis, polyline};
 pub use pending::{PendingFile, is_same_file};
 pub use read::read;
 pub use reshape::{GeometryKind, ReshapeError, reshape};

@@ -54,7 +54,7 @@ pub enum Command {
 /// Which field of which file, on which part of the domain.
 #[derive(Debug, Clone, Args)]
 pub struct FieldArgs {
-    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, or a mesh: .obj .off .ply .stl .mesh .msh.
+    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several.
@@ -75,7 +75,7 @@ pub struct FieldArgs {
 /// Which fields of which file, on which part of the domain.
 #[derive(Debug, Clone, Args)]
 pub struct FieldsArgs {
-    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, or a mesh: .obj .off .ply .stl .mesh .msh.
+    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several. May be given several times, or as a list a,b,c: each
@@ -306,7 +306,7 @@ pub struct CheckArgs {
 /// `morsmooth convert`.
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
-    /// File to read: .vti .vtu .vtp .vtr .vts .vtk, or a mesh: .obj .off .ply .stl .mesh .msh.
+    /// File to read: .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
     pub input: PathBuf,
 
     /// File to write; its extension, one of the same, chooses the format.
