@@ -80,7 +80,7 @@ pub fn run(args: &DeformArgs) -> Result<Outcome, Failure> {
     talk.stage("deforming");
     let solving = Instant::now();
     let mut session = Session::new(&shape, &rig, &args.how)?;
-    let mut drawer = Drawer::new(args.preview.as_deref(), &shape)?;
+    let mut drawer = Drawer::new(args.preview.as_deref(), &shape, session.rest())?;
     let posed = session.pose(&pose, &mut |iteration, positions| drawer.draw(iteration, positions))?;
     drawer.end()?;
     let solve_seconds = solving.elapsed().as_secs_f64();
@@ -206,9 +206,9 @@ struct Drawer<'a> {
 }
 
 impl<'a> Drawer<'a> {
-    fn new(directory: Option<&'a Path>, shape: &'a Shape) -> Result<Self, Failure> {
+    fn new(directory: Option<&'a Path>, shape: &'a Shape, rest: &RestShape) -> Result<Self, Failure> {
         directory.map_or(Ok(()), shape_pictures::make)?;
-        let rest = directory.and_then(|_| RestShape::new(shape.complex()).ok());
+        let rest = directory.map(|_| rest.clone());
         Ok(Self { directory, shape, rest, count: 0, failure: None })
     }
 

@@ -3,10 +3,11 @@
 use clap::{Args, ValueEnum};
 use morsmooth::deform::{
     AugmentedOptions, Barrier, BarrierOptions, Blame, Compared, Comparison, DeformError, DeformOptions, DeformSolver, DeformStatus,
-    Deformed, Deformer, DetPenaltyOptions, Ending, Hold, Lagrangian, OnContradiction, SolveMethod, SolveOptions, rotations, skinning,
+    Deformed, Deformer, DetPenaltyOptions, Ending, FactorChoice, Hold, Lagrangian, OnContradiction, RestShape, SolveMethod, SolveOptions,
+    rotations, skinning,
 };
 use morsmooth::mesh::Pose;
-use morsmooth::qp::{Penalty, Settings};
+use morsmooth::qp::{FactorPrecision, Penalty, Settings};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -47,8 +48,21 @@ pub struct PoseArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub rotation_rounds: usize,
 
+    /// Accept a rest shape with folded elements, and turn them right side out.
+    #[arg(long)]
+    pub untangle: bool,
+
+    /// Memory that the factor of 'inversion-free' may take, such as 8GiB or 500MB; beyond it numbers of 32 bits take the place of 64, with
+    /// conjugate gradients in 64 bits.
+    #[arg(long, value_name = "SIZE", default_value = "16GiB", value_parser = bytes)]
+    pub memory: usize,
+
+    /// The numbers that the factor is made of.
+    #[arg(long, value_enum, default_value_t = FactorKind::Automatic)]
+    pub factor: FactorKind,
+
     /// Duality gap, relative to the energy, at which the solver stops.
-    #[arg(long, value_name = "GAP", default_value_t = 1e-7, allow_negative_numbers = true)]
+    #[arg(long, value_name = "GAP", default_value_t = 1e-6, allow_negative_numbers = true)]
     pub gap: f64,
 
     /// Where handles contradict each other, write the closest shape without inversions that is found.
@@ -79,6 +93,32 @@ pub enum MethodKind {
     Spectral,
     /// PENNON-like augmented Lagrangian of the same convex problem.
     Pennon,
+}
+
+/// Values of `--factor`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FactorKind {
+    /// By size and memory.
+    Automatic,
+    /// 64 bits.
+    Double,
+    /// 32 bits, as the preconditioner of conjugate gradients in 64 bits.
+    Single,
+}
+
+/// Reads `8GiB`, `500MB`, `1e9`.
+fn bytes(text: &str) -> Result<usize, String> {
+    const UNITS: [(&str, f64); 8] =
+        [("KiB", 1024.0), ("MiB", 1048576.0), ("GiB", 1073741824.0), ("TiB", 1099511627776.0), ("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("B", 1.0)];
+    let trimmed = text.trim();
+    let (digits, unit) = UNITS
+        .iter()
+        .find_map(|(unit, factor)| trimmed.strip_suffix(unit).map(|digits| (digits, *factor)))
+        .unwrap_or((trimmed, 1.0));
+    match digits.trim().parse::<f64>() {
+        Ok(number) if number * unit >= 1.0 && number.is_finite() => Ok((number * unit) as usize),
+        _ => Err(format!("found '{text}'; expected a size such as 8GiB, 500MB or a number of bytes")),
+    }
 }
 
 /// Values of `--solver`.
@@ -151,6 +191,8 @@ pub struct Session<'a> {
     rig: &'a Rig,
     args: &'a PoseArgs,
     engine: Engine,
+    /// What was chosen for the linear systems.
+    factor: Option<String>,
 }
 
 enum Engine {
@@ -166,12 +208,20 @@ impl<'a> Session<'a> {
         if !(args.gap > 0.0 && args.gap < 1.0) {
             return Err(Failure::usage(format!("found --gap {}; expected a number between 0 and 1", args.gap)));
         }
-        let engine = match args.method {
-            MethodKind::InversionFree => DeformSolver::new(shape.complex(), rig.held.clone(), options).map(|solver| Engine::Solver(Box::new(solver))),
-            _ => Deformer::new(shape.complex(), &rig.held.vertices, options).map(|deformer| Engine::Other(Box::new(deformer))),
-        };
-        let engine = engine.map_err(|error| refusal(shape, &error))?;
-        Ok(Self { shape, rig, args, engine })
+        let complex = shape.complex();
+        let rest = if args.untangle { RestShape::untangled(complex) } else { RestShape::new(complex) };
+        let engine = rest.and_then(|rest| match args.method {
+            MethodKind::InversionFree => {
+                DeformSolver::with_rest(complex, rest, rig.held.clone(), options).map(|solver| Engine::Solver(Box::new(solver)))
+            }
+            _ => Deformer::with_rest(rest, &rig.held.vertices, options).map(|deformer| Engine::Other(Box::new(deformer))),
+        });
+        let mut engine = engine.map_err(|error| refusal(shape, &error))?;
+        let mut factor = None;
+        if let Engine::Solver(solver) = &mut engine {
+            factor = Some(choose_factor(solver, args)?);
+        }
+        Ok(Self { shape, rig, args, engine, factor })
     }
 
     /// A second session on the same analysis.
@@ -180,12 +230,17 @@ impl<'a> Session<'a> {
             Engine::Solver(solver) => Engine::Solver(Box::new(solver.fork())),
             Engine::Other(deformer) => Engine::Other(deformer.clone()),
         };
-        Self { shape: self.shape, rig: self.rig, args: self.args, engine }
+        Self { shape: self.shape, rig: self.rig, args: self.args, engine, factor: self.factor.clone() }
+    }
+
+    /// The rest shape.
+    pub fn rest(&self) -> &RestShape {
+        self.deformer().rest()
     }
 
     /// Elements whose orientation at rest is wrong.
     pub fn folded(&self) -> &[usize] {
-        self.deformer().rest().folded()
+        self.rest().folded()
     }
 
     fn deformer(&self) -> &Deformer {
@@ -207,7 +262,12 @@ impl<'a> Session<'a> {
                 let options = solve_options(args);
                 let mut each = |at: morsmooth::deform::DeformPreview<'_>| watch(at.iteration, at.positions);
                 let deformed = solver.solve(&blended, &targets, &options, &mut each).map_err(fail)?;
-                return Ok(of_deformed(deformed, rig));
+                let mut posed = of_deformed(deformed, rig);
+                if let Some(factor) = &self.factor {
+                    posed.told["factor"] = json!(factor);
+                    posed.lines.push(("factor", factor.clone()));
+                }
+                return Ok(posed);
             }
             Engine::Other(deformer) => deformer,
         };
@@ -236,6 +296,35 @@ impl<'a> Session<'a> {
         let (positions, ended) = found.map_err(fail)?;
         of_other(deformer, (&blended, &targets), positions, ended.as_ref(), rig).map_err(fail)
     }
+}
+
+/// Chooses the factor, and says what was chosen and why.
+fn choose_factor(solver: &mut DeformSolver, args: &PoseArgs) -> Result<String, Failure> {
+    const GIB: f64 = 1073741824.0;
+    let choice = match args.factor {
+        FactorKind::Automatic => FactorChoice::Automatic,
+        FactorKind::Double => FactorChoice::Double,
+        FactorKind::Single => FactorChoice::Single,
+    };
+    solver.choose_factor(choice, args.memory);
+    let (flops, [double, single]) = solver.factor_cost();
+    let (chosen, size) = match solver.precision() {
+        FactorPrecision::Double => ("64 bits", double),
+        FactorPrecision::Single => ("32 bits, conjugate gradients in 64", single),
+        FactorPrecision::Adaptive => ("32 bits with conjugate gradients in 64 while that pays, then 64 bits", double),
+    };
+    let told = |bytes: usize| format!("{:.2} GiB", bytes as f64 / GIB);
+    if size > args.memory {
+        let text = format!("the factor needs {} ({chosen}); --memory allows {}", told(size), told(args.memory));
+        return Err(Failure::usage(text).hint("a coarser mesh, or more memory"));
+    }
+    Ok(format!(
+        "direct, {chosen}: {:.2e} nonzeros, {flops:.1e} operations, {} of {} allowed (64 bits would take {})",
+        solver.factor_entries() as f64,
+        told(size),
+        told(args.memory),
+        told(double)
+    ))
 }
 
 fn solve_options(args: &PoseArgs) -> SolveOptions {
