@@ -15,6 +15,8 @@ mod output;
 mod persistence;
 mod pictures;
 mod report;
+mod series;
+mod series_input;
 mod simplify;
 mod smooth;
 mod table;
@@ -63,6 +65,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Smooth(args) => args.talk.threads,
         Command::Simplify(args) => args.talk.threads,
         Command::Persistence(args) => args.talk.threads,
+        Command::Series(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
         Command::Convert(args) => args.talk.threads,
@@ -82,6 +85,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Smooth(args) => smooth::run(args),
         Command::Simplify(args) => simplify::run(args),
         Command::Persistence(args) => persistence::run(args),
+        Command::Series(args) => series::run(args),
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),
         Command::Convert(args) => convert::run(args),
