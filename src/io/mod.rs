@@ -13,10 +13,12 @@ mod error;
 mod formats;
 mod legacy;
 mod lexer;
+mod parallel;
 mod pending;
 mod read;
 mod reshape;
 mod ttk;
+mod weld;
 mod write;
 mod xml;
 

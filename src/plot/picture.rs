@@ -278,7 +278,8 @@ fn charts(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &Pict
     picture(canvas, options.width, total)
 }
 
-fn picture(canvas: Canvas, width: u32, height: i64) -> Picture {
+/// What was drawn, as a picture.
+pub(super) fn picture(canvas: Canvas, width: u32, height: i64) -> Picture {
     Picture { width, height: height as u32, pixels: canvas.into_pixels() }
 }
 

@@ -36,8 +36,8 @@ fn files_that_are_no_vtk_files() {
 fn kinds_of_xml_files_that_are_not_read() {
     let kinds = "ImageData, RectilinearGrid, StructuredGrid, PolyData or UnstructuredGrid in one file";
     assert_eq!(
-        message("<VTKFile type=\"PImageData\"><PImageData/></VTKFile>"),
-        format!("bad, line 1: type=\"PImageData\" cannot be read here; expected {kinds}")
+        message("<VTKFile type=\"HyperTreeGrid\"><HyperTreeGrid/></VTKFile>"),
+        format!("bad, line 1: type=\"HyperTreeGrid\" cannot be read here; expected {kinds}")
     );
     assert_eq!(
         message("<VTKFile type=\"ImageData\" compressor=\"vtkZStd\"/>"),
