@@ -58,6 +58,10 @@ pub enum Command {
     /// not by an amount: a plateau from a to b says that the threshold may be off by the factor b/a without any effect. The
     /// widest differences are listed as well; they favour the few largest extrema, which are far apart in any field.
     Persistence(Box<crate::persistence::PersistenceArgs>),
+    /// Smooth the columns of a table along one of them, numbers or dates, with exactly the wanted minima and maxima.
+    ///
+    /// Steps may be irregular and values missing. Exit codes as those of 'smooth'.
+    Series(Box<crate::series::SeriesArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
     /// Write the Morse–Smale complex: critical points, separatrices, segmentation, in the layout of TTK.
@@ -438,7 +442,8 @@ pub fn fraction(text: &str) -> Result<f64, String> {
     Ok(value)
 }
 
-fn extremum_values(text: &str) -> Result<ValuesKind, String> {
+/// Reads `keep`, `free` or a part.
+pub fn extremum_values(text: &str) -> Result<ValuesKind, String> {
     match text {
         "keep" => Ok(ValuesKind::Keep),
         "free" => Ok(ValuesKind::Free),

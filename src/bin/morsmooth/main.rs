@@ -20,6 +20,8 @@ mod pose;
 mod pose_audit;
 mod posed;
 mod report;
+mod series;
+mod series_input;
 mod shape;
 mod shape_file;
 mod shape_pictures;
@@ -73,6 +75,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Smooth(args) => args.talk.threads,
         Command::Simplify(args) => args.talk.threads,
         Command::Persistence(args) => args.talk.threads,
+        Command::Series(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
         Command::Convert(args) => args.talk.threads,
@@ -95,6 +98,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Smooth(args) => smooth::run(args),
         Command::Simplify(args) => simplify::run(args),
         Command::Persistence(args) => persistence::run(args),
+        Command::Series(args) => series::run(args),
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),
         Command::Convert(args) => convert::run(args),
