@@ -29,7 +29,7 @@ impl DeformSolver {
         let status = DeformStatus::Contradiction(blame);
         if self.deformer.options().hold == Hold::Hard {
             let softer = super::DeformOptions { hold: Hold::Soft { alpha: ALPHA }, ..self.deformer.options() };
-            let mut soft = Self::new(&self.complex, self.held.clone(), softer)?;
+            let mut soft = Self::with_rest(&self.complex, self.deformer.rest().clone(), self.held.clone(), softer)?;
             let solved = soft.solve_once(asked, targets, options, (&mut effort, &mut *preview))?;
             let is_enough = !matches!(solved.solution.status, QpStatus::Infeasible(_));
             let found = (Substitute::SoftHandles, solved, asked.to_vec());

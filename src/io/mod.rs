@@ -7,6 +7,7 @@
 mod array;
 mod bytes;
 mod cells;
+mod collection;
 mod dataset;
 mod diagram;
 mod dmat;
@@ -30,6 +31,7 @@ mod write;
 mod xml;
 
 pub use array::{ArrayData, DataArray, InformationKey, InformationValue, ValueType};
+pub use collection::write_collection;
 pub use dataset::{Attributes, CellArray, DataSet, Extent, Geometry, IndexWidth, Polyhedra, Role};
 pub use diagram::{DiagramField, DiagramLayout, diagram_dataset};
 pub use domain::{DomainIoError, MaskSources, domain, grid, mask};

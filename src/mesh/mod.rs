@@ -32,6 +32,7 @@ mod measure;
 mod outline;
 mod polygon;
 mod pose;
+mod pose_between;
 mod segment;
 mod stencil;
 mod subdivide;

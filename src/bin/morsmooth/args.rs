@@ -17,6 +17,23 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Deform a mesh through poses between key poses; write a ParaView collection with a file a frame.
+    ///
+    /// Frames are independent and run in parallel; each has the same bits for any number of threads. Rotations in the plane are
+    /// blended by angle, so that turns count; quaternions along the shorter arc.
+    ///
+    /// Exit codes: as for 'deform', for all frames together; nothing is written unless every frame is.
+    Animate(Box<crate::animate::AnimateArgs>),
+    /// Deform a planar or solid mesh, an outline or a photograph by handles, so that no element turns inside out.
+    ///
+    /// Rotations of the handles are blended by weights; the shape of least energy that follows them without an inverted element is the
+    /// optimum of a convex problem, and comes with a certificate. The file gets the cell arrays det_F, smallest_eigenvalue,
+    /// energy_density and active_constraint.
+    ///
+    /// Exit codes: 0 if the file written was read back and has no inverted element, as written and rounded to 32 bits, by exact
+    /// predicates; 1 if it has, or if handles contradict each other (then nothing is written without --keep-best or --keep-unaudited);
+    /// 2 for a wrong command line or input. A solver that stops before the asked gap gives a line 'warning:'.
+    Deform(Box<crate::deform::DeformArgs>),
     /// Show what a file holds: data set, arrays, domain, what is wrong with it.
     Info(InfoArgs),
     /// Count the extrema of a field, list their persistence, and show what thresholds would leave.
@@ -41,6 +58,10 @@ pub enum Command {
     /// not by an amount: a plateau from a to b says that the threshold may be off by the factor b/a without any effect. The
     /// widest differences are listed as well; they favour the few largest extrema, which are far apart in any field.
     Persistence(Box<crate::persistence::PersistenceArgs>),
+    /// Smooth the columns of a table along one of them, numbers or dates, with exactly the wanted minima and maxima.
+    ///
+    /// Steps may be irregular and values missing. Exit codes as those of 'smooth'.
+    Series(Box<crate::series::SeriesArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
     /// Write the Morse–Smale complex: critical points, separatrices, segmentation, in the layout of TTK.
@@ -429,7 +450,8 @@ pub fn fraction(text: &str) -> Result<f64, String> {
     Ok(value)
 }
 
-fn extremum_values(text: &str) -> Result<ValuesKind, String> {
+/// Reads `keep`, `free` or a part.
+pub fn extremum_values(text: &str) -> Result<ValuesKind, String> {
     match text {
         "keep" => Ok(ValuesKind::Keep),
         "free" => Ok(ValuesKind::Free),
