@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use morsmooth::mesh::{OutlineOptions, Size};
 
 /// Smooth scalar fields with exactly the wanted minima and maxima.
 #[derive(Debug, Parser)]
@@ -47,6 +48,11 @@ pub enum Command {
     /// Three files in the output directory, named after the input: ...CriticalPoints.vtp, ...1Separatrices.vtp, and
     /// ...Segmentation with the input and three more arrays. Without a threshold the complex is not simplified.
     Complex(crate::complex::ComplexArgs),
+    /// Move a shape by its weights and a pose: linear blend or dual-quaternion skinning.
+    ///
+    /// Skinning is direct and promises nothing: elements that it turns inside out are counted on the file as written and
+    /// said. 'morsmooth deform' promises none.
+    Pose(crate::pose::PoseArgs),
     /// Write a data set in another format, with a warning for everything that the format cannot hold.
     Convert(ConvertArgs),
 }
@@ -127,6 +133,34 @@ pub struct TalkArgs {
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// How an outline (.csv) is filled with triangles; without effect on meshes.
+#[derive(Debug, Clone, Args)]
+pub struct OutlineArgs {
+    /// Longest edge of the triangles that fill an outline (.csv), as a part of the diagonal of its bounding box.
+    #[arg(long, value_name = "FRACTION", default_value = "2%", value_parser = fraction, allow_hyphen_values = true)]
+    pub max_edge: f64,
+
+    /// Largest area of the triangles that fill an outline, in its squared units.
+    #[arg(long, value_name = "AREA", allow_negative_numbers = true)]
+    pub max_area: Option<f64>,
+
+    /// Smallest angle of the triangles that fill an outline, 0 to 33 degrees; sharper corners of the outline itself stay.
+    #[arg(long, value_name = "DEGREES", default_value_t = 25.0, allow_negative_numbers = true)]
+    pub min_angle: f64,
+}
+
+impl OutlineArgs {
+    /// As the library takes them.
+    pub fn options(&self) -> OutlineOptions {
+        OutlineOptions {
+            max_edge: Size::Fraction(self.max_edge),
+            max_area: self.max_area,
+            min_angle: self.min_angle,
+            ..OutlineOptions::default()
+        }
+    }
 }
 
 /// `morsmooth info`.

@@ -14,6 +14,8 @@ mod number;
 mod output;
 mod persistence;
 mod pictures;
+mod pose;
+mod pose_audit;
 mod report;
 mod simplify;
 mod smooth;
@@ -66,6 +68,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
         Command::Convert(args) => args.talk.threads,
+        Command::Pose(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
         if threads == 0 {
@@ -85,5 +88,6 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),
         Command::Convert(args) => convert::run(args),
+        Command::Pose(args) => pose::run(args),
     }
 }

@@ -3,6 +3,7 @@
 mod assembly;
 mod refusals;
 mod scene;
+mod skinning;
 mod solve;
 
 #[path = "../../../tools/bench/scenes.rs"]

@@ -9,6 +9,7 @@ mod fields;
 mod kinds;
 mod options;
 mod persistence;
+mod pose;
 mod queries;
 mod simplify;
 mod unusual;
