@@ -31,7 +31,7 @@
 //! | floor | modules |
 //! |---|---|
 //! | 4 | [`smooth`], [`interpolate`] |
-//! | 3 | [`monotone`], [`deform`], [`io`], [`plot`] |
+//! | 3 | [`monotone`], [`deform`], [`geodesic`], [`io`], [`plot`] |
 //! | 2 | [`operators`], [`morse`], [`audit`] |
 //! | 1 | [`mesh`], [`qp`] |
 //! | 0 | [`linalg`], [`field`] |
@@ -51,6 +51,7 @@
 pub mod audit;
 pub mod deform;
 pub mod field;
+pub mod geodesic;
 pub mod interpolate;
 pub mod io;
 pub mod linalg;

@@ -20,6 +20,7 @@ pub struct RestShape {
     corners: Vec<u32>,
     gradients: Vec<[f64; 3]>,
     measures: Vec<f64>,
+    folded: Vec<usize>,
     /// Connected part of each vertex.
     pub(super) parts: Vec<u32>,
 }
@@ -79,7 +80,7 @@ impl RestShape {
         if let Some(place) = gradients.iter().position(|gradient| !gradient.iter().all(|part| part.is_finite())) {
             return Err(DeformError::Scale { element: place / stride });
         }
-        Ok(Self { dimension, points, corners, gradients, measures, parts: complex.components().0 })
+        Ok(Self { dimension, points, folded: Vec::new(), corners, gradients, measures, parts: complex.components().0 })
     }
 
     /// 2 or 3.
@@ -134,6 +135,11 @@ impl RestShape {
     pub fn rounding(&self, element: usize, extent: f64) -> f64 {
         let sum: f64 = self.gradients(element).iter().map(|g| g.iter().map(|part| part * part).sum::<f64>().sqrt()).sum();
         f64::from(f32::EPSILON) / 2.0 * extent * (self.dimension as f64).sqrt() * sum
+    }
+
+    /// Elements whose orientation in the mesh is wrong and whose rest shape is their mirror image, rising.
+    pub fn folded(&self) -> &[usize] {
+        &self.folded
     }
 
     pub(super) fn check_positions(&self, positions: &[f64]) -> Result<(), DeformError> {

@@ -55,12 +55,18 @@ pub enum Command {
     Pose(crate::pose::PoseArgs),
     /// Write a data set in another format, with a warning for everything that the format cannot hold.
     Convert(ConvertArgs),
+    /// Write skinning weights: a function a handle, 1 on its own vertices and 0 on those of the others.
+    ///
+    /// Monotone weights have no extremum but at handles; the others are what they are compared with. A handle of several joined
+    /// vertices is one place: an extremum as a whole. Exit codes: 0 if the file written was read back and, for monotone weights, has exactly
+    /// the wanted extrema; 1 if it has not (then nothing is written without --keep-unaudited); 2 for a wrong command line or input.
+    Weights(Box<crate::weights::WeightsArgs>),
 }
 
 /// Which field of which file, on which part of the domain.
 #[derive(Debug, Clone, Args)]
 pub struct FieldArgs {
-    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, or a mesh: .obj .off .ply .stl .mesh .msh.
+    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several.
@@ -81,7 +87,7 @@ pub struct FieldArgs {
 /// Which fields of which file, on which part of the domain.
 #[derive(Debug, Clone, Args)]
 pub struct FieldsArgs {
-    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, or a mesh: .obj .off .ply .stl .mesh .msh.
+    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several. May be given several times, or as a list a,b,c: each
@@ -340,7 +346,7 @@ pub struct CheckArgs {
 /// `morsmooth convert`.
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
-    /// File to read: .vti .vtu .vtp .vtr .vts .vtk, or a mesh: .obj .off .ply .stl .mesh .msh.
+    /// File to read: .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
     pub input: PathBuf,
 
     /// File to write; its extension, one of the same, chooses the format.

@@ -1,0 +1,14 @@
+//! Distances along a mesh: exact ones on surfaces, and fast approximate ones by heat flow on surfaces and solids.
+
+mod envelope;
+mod error;
+mod exact;
+mod source;
+mod surface;
+mod turn;
+mod wavefront;
+mod window;
+
+pub use error::GeodesicError;
+pub use exact::{ExactGeodesic, exact_distances};
+pub use source::{SurfacePoint, nearest_point};
