@@ -76,6 +76,12 @@ pub enum Command {
     Pose(crate::pose::PoseArgs),
     /// Write a data set in another format, with a warning for everything that the format cannot hold.
     Convert(ConvertArgs),
+    /// Write skinning weights: a function a handle, 1 on its own vertices and 0 on those of the others.
+    ///
+    /// Monotone weights have no extremum but at handles; the others are what they are compared with. A handle of several joined
+    /// vertices is one place: an extremum as a whole. Exit codes: 0 if the file written was read back and, for monotone weights, has exactly
+    /// the wanted extrema; 1 if it has not (then nothing is written without --keep-unaudited); 2 for a wrong command line or input.
+    Weights(Box<crate::weights::WeightsArgs>),
 }
 
 /// Which field of which file, on which part of the domain.

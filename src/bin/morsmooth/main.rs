@@ -29,6 +29,8 @@ mod simplify;
 mod smooth;
 mod table;
 mod talk;
+mod weights;
+mod weights_report;
 mod wishes;
 mod written;
 
@@ -80,6 +82,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Complex(args) => args.talk.threads,
         Command::Convert(args) => args.talk.threads,
         Command::Pose(args) => args.talk.threads,
+        Command::Weights(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
         if threads == 0 {
@@ -103,5 +106,6 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Complex(args) => complex::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Pose(args) => pose::run(args),
+        Command::Weights(args) => weights::run(args),
     }
 }
