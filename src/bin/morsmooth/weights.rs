@@ -77,7 +77,7 @@ pub struct WeightsArgs {
     pub mass: MassKind,
 
     /// Representative function of monotone weights.
-    #[arg(long, value_enum, default_value_t = GuideKind::SmoothThenSimplify)]
+    #[arg(long, value_enum, default_value_t = GuideKind::Automatic)]
     pub representative: GuideKind,
 
     /// Solve again so many times, with the last solution as representative function; stops where the energy does.
@@ -145,6 +145,8 @@ pub enum MassKind {
 /// Values of `--representative`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum GuideKind {
+    /// For orders 1 and 2 the polyharmonic weights, simplified; for 3 and 4 both, and what has less energy.
+    Automatic,
     /// The polyharmonic weights, simplified.
     SmoothThenSimplify,
     /// The harmonic weights.
@@ -255,6 +257,7 @@ impl WeightsArgs {
             },
             function: InterpolateOptions {
                 guide: match self.representative {
+                    GuideKind::Automatic => Guide::Automatic,
                     GuideKind::SmoothThenSimplify => Guide::SmoothThenSimplify,
                     GuideKind::Harmonic => Guide::Harmonic,
                 },

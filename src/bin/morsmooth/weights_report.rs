@@ -41,6 +41,7 @@ impl WeightsJob<'_> {
         for (name, report) in self.scene.attached.names().iter().zip(&self.found.reports) {
             match &report.function.status {
                 QpStatus::Solved => {}
+                QpStatus::Infeasible(_) => warnings.push(format!("the solver found the order of handle {name} infeasible; the extrema hold all the same")),
                 status => warnings.push(format!(
                     "the solver ended with {status:?} on handle {name}: gap {:.1e}, residual {:.1e}; the extrema hold all the same",
                     report.function.gap, report.function.residual
