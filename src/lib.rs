@@ -30,7 +30,7 @@
 //!
 //! | floor | modules |
 //! |---|---|
-//! | 4 | [`smooth`] |
+//! | 4 | [`smooth`], [`interpolate`] |
 //! | 3 | [`monotone`], [`deform`], [`geodesic`], [`io`], [`plot`] |
 //! | 2 | [`operators`], [`morse`], [`audit`] |
 //! | 1 | [`mesh`], [`qp`] |
@@ -42,6 +42,7 @@
 //! * Edelsbrunner, Letscher, Zomorodian 2002, *Topological persistence and simplification*: pairs and the elder rule.
 //! * Tierny, Pascucci 2012; Lukasczyk, Garth, Maciejewski, Tierny 2020: the flood.
 //! * Günther, Jacobson, Reininghaus, Seidel, Sorkine-Hornung, Weinkauf 2014: refinement of the representative function.
+//! * Jacobson, Baran, Popović, Sorkine 2011, *Bounded biharmonic weights for real-time deformation*: bounded weights.
 //! * Liu, Gao, Zhu, Sifakis, Kavan 2016, *Fast and robust inversion-free shape manipulation*: deformation, penalty continuation.
 //! * Mehrotra 1992; Gondzio 1996: the interior point method.
 //! * Burman, Chow, Nolan 1994: the smoothing length.
@@ -51,6 +52,7 @@ pub mod audit;
 pub mod deform;
 pub mod field;
 pub mod geodesic;
+pub mod interpolate;
 pub mod io;
 pub mod linalg;
 pub mod mesh;

@@ -67,7 +67,7 @@ pub struct Defects<T> {
 pub const LISTED_DEFECTS: usize = 100;
 
 impl<T> Defects<T> {
-    fn of(mut all: Vec<T>) -> Self {
+    pub(super) fn of(mut all: Vec<T>) -> Self {
         let count = all.len();
         all.truncate(LISTED_DEFECTS);
         Self { count, first: all }

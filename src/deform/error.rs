@@ -1,7 +1,9 @@
 //! What a deformation refuses.
 
+use crate::audit::OrientationError;
 use crate::field::VertexId;
-use crate::linalg::MatrixError;
+use crate::linalg::{FactorError, MatrixError};
+use crate::qp::QpError;
 
 /// Why a shape cannot be deformed as asked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -98,7 +100,29 @@ pub enum DeformError {
         /// Entries of the matrix of rows.
         found: usize,
     },
+    /// A held vertex belongs to a handle that has no name.
+    #[error("held vertex {place} belongs to handle {found}; a number below {names} was expected")]
+    Owner {
+        /// Place in the list of held vertices.
+        place: usize,
+        /// The handle that was given.
+        found: usize,
+        /// Handles with a name.
+        names: usize,
+    },
+    /// The engine refuses the problem.
+    #[error(transparent)]
+    Engine(#[from] QpError),
+    /// The result cannot be judged.
+    #[error(transparent)]
+    Audit(#[from] OrientationError),
     /// The assembled numbers are no matrix.
     #[error(transparent)]
     Matrix(#[from] MatrixError),
+    /// A method of comparison that needs soft handles was given hard ones.
+    #[error("the handles are hard; this method of comparison needs soft ones")]
+    SoftHandles,
+    /// A matrix of a method of comparison could not be analysed.
+    #[error(transparent)]
+    Factor(#[from] FactorError),
 }

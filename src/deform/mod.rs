@@ -19,16 +19,36 @@
 //! Liu, Gao, Zhu, Sifakis, Kavan 2016, *Fast and robust inversion-free shape manipulation*, equations 1 to 5; the cone is
 //! that of Kovalsky, Aigerman, Basri, Lipman 2014, *Controlling singular values with semidefinite programming*.
 
+mod blame;
+mod closest;
+mod comparison;
 mod cones;
 mod deformer;
 mod energy;
 mod error;
+mod held;
+mod options;
 mod orientation;
+mod outcome;
+mod polar;
 mod rest;
+pub mod rotations;
+pub mod skinning;
+mod solver;
 mod state;
+mod weights;
 
+pub use blame::Blame;
+pub use comparison::{
+    AugmentedOptions, Barrier, BarrierOptions, Compared, Comparison, DetPenaltyOptions, Ending, Lagrangian,
+};
 pub use deformer::{DeformOptions, Deformer, Hold};
 pub use energy::DeformEnergy;
 pub use error::DeformError;
+pub use held::HeldVertices;
+pub use options::{Begin, FactorChoice, OnContradiction, SolveMethod, SolveOptions};
+pub use outcome::{DeformStatus, Deformed, Effort, ElementReport, HandlePlace, Substitute};
+pub use polar::nearest_rotations;
 pub use rest::RestShape;
+pub use solver::{DeformPreview, DeformSolver};
 pub use state::determinant;

@@ -12,6 +12,13 @@ pub enum Place {
     Line(usize),
     /// A byte, counted from 0.
     Byte(usize),
+    /// A cell of a table.
+    Cell {
+        /// Its line in the file, counted from 1.
+        line: usize,
+        /// Its column, counted from 1.
+        column: usize,
+    },
 }
 
 impl std::fmt::Display for Place {
@@ -20,6 +27,7 @@ impl std::fmt::Display for Place {
             Self::File => Ok(()),
             Self::Line(line) => write!(f, ", line {line}"),
             Self::Byte(byte) => write!(f, ", byte {byte}"),
+            Self::Cell { line, column } => write!(f, ", line {line}, column {column}"),
         }
     }
 }

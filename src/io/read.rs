@@ -7,14 +7,17 @@ use std::path::Path;
 use super::dataset::DataSet;
 use super::error::{Fault, IoError, Place};
 use super::formats::MeshFormat;
+use super::parallel::read_indexed;
 use super::{legacy, xml};
 
-/// Reads a data set from a VTK XML file (`.vti .vtr .vts .vtp .vtu`), a legacy `.vtk` file, or a mesh file
-/// (`.obj .off .ply .stl .mesh .msh`).
+/// Reads a data set from a VTK XML file (`.vti .vtr .vts .vtp .vtu`), a parallel one (`.pvti .pvtr .pvts .pvtp .pvtu`), a legacy
+/// `.vtk` file, a mesh file (`.obj .off .ply .stl .mesh .msh`), or a table (`.csv .tsv`).
 ///
-/// The content tells VTK's files, whatever they are called; mesh files are told by their extension. Several pieces in one
+/// Pieces of a parallel file become one data set without seams: ghost cells are left out, and points that stand in several pieces are one.
+/// A collection (`.vtm .pvd`) is read if it names one file. The content tells VTK's files, whatever they are called; mesh files are told by their extension. Several pieces in one
 /// file become one data set. Surfaces become poly data, Medit and Gmsh meshes unstructured grids; points keep their
-/// numbers (but for `.stl`, which has none).
+/// numbers (but for `.stl`, which has none). A table becomes a polyline: a point a row, along its dates or its first rising or falling
+/// column.
 ///
 /// # Errors
 /// [`IoError::Read`] if there is no such file, [`IoError::Unsupported`] for other formats, [`IoError::Malformed`] with
@@ -25,7 +28,11 @@ use super::{legacy, xml};
 /// the bytes that are there before memory is taken; packed data may unfold at most as far as its compressor can pack
 /// (1,040-fold for zlib, 256-fold for lz4, 65,536-fold for lzma).
 pub fn read(path: impl AsRef<Path>) -> Result<DataSet, IoError> {
-    let path = path.as_ref();
+    read_file(path.as_ref(), true)
+}
+
+/// Reads a file; names of other files in it are followed only where that is allowed, so that no file can lead to itself.
+fn read_file(path: &Path, follows: bool) -> Result<DataSet, IoError> {
     let failed = |source| IoError::Read { path: path.to_owned(), source };
     let file = File::open(path).map_err(failed)?;
     let metadata = file.metadata().map_err(failed)?;
@@ -45,6 +52,11 @@ pub fn read(path: impl AsRef<Path>) -> Result<DataSet, IoError> {
         step = bytes.len() as u64;
     }
     (&file).read_to_end(&mut bytes).map_err(failed)?;
+    if follows && is_xml(&bytes) && names_files(&bytes) {
+        if let Some(index) = xml::index(&bytes).map_err(|fault| fault.in_file(path))? {
+            return read_indexed(path, index, |part| read_file(part, false));
+        }
+    }
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     read_bytes(&bytes, MeshFormat::of_extension(extension)).map_err(|fault| fault.in_file(path))
 }
@@ -54,12 +66,19 @@ const LARGE: usize = 1 << 22;
 /// Where the head of a large file is searched first; it doubles until it is found.
 const HEAD: u64 = 1 << 16;
 
+/// Whether the head of an XML file has a type that stands for other files, so that it is worth parsing for their names.
+fn names_files(bytes: &[u8]) -> bool {
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+    const TYPES: [&str; 7] = ["PImage", "PRectilinear", "PStructured", "PPoly", "PUnstructured", "Collection", "vtkMulti"];
+    TYPES.iter().any(|mark| head.contains(mark))
+}
+
 fn is_xml(bytes: &[u8]) -> bool {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<")
 }
 
 fn read_bytes(bytes: &[u8], format: Option<MeshFormat>) -> Result<DataSet, Fault> {
-    const KNOWN: &str = "a serial VTK XML file, a legacy .vtk file, or a mesh (.obj .off .ply .stl .mesh .msh)";
+    const KNOWN: &str = "a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv)";
     if bytes.starts_with(b"# vtk DataFile") {
         return legacy::read(bytes);
     }

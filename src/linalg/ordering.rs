@@ -9,7 +9,7 @@ use super::pattern::work;
 use super::{CsrMatrix, FactorError, Permutation};
 
 /// Problems below this size gain nothing from dissection (measured: equal work at 15,000, half of it at 250,000).
-const SMALL: usize = 20_000;
+const SMALL: usize = 3_000;
 
 /// Above this size dissection is taken unseen; below, folded surfaces may be better off with minimum degree, and both are tried.
 const LARGE: usize = 150_000;

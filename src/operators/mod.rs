@@ -15,4 +15,4 @@ pub use error::OperatorError;
 pub(crate) use gradient::dual_basis;
 pub use gradient::{gradients, vertex_gradients};
 pub use laplacian::{LEAST_WEIGHT, cotangent_laplacian, positive_laplacian};
-pub use mass::lumped_mass;
+pub use mass::{lumped_mass, mixed_voronoi_mass};

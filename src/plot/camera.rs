@@ -45,7 +45,8 @@ impl View {
     }
 }
 
-fn frame(points: &[[f64; 3]]) -> ([[f64; 3]; 3], bool) {
+/// Right, up and towards the eye, and whether all points lie in the plane of the first two.
+pub(super) fn frame(points: &[[f64; 3]]) -> ([[f64; 3]; 3], bool) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for point in points {
         for axis in 0..3 {

@@ -40,6 +40,32 @@ pub enum PlotError {
         /// What else was expected of it.
         expected: &'static str,
     },
+    /// An image file could not be read.
+    #[error("{path}: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file is no image in the format of its name.
+    #[error("{path}: found no PNG image that can be decoded ({message}); expected one", path = path.display())]
+    Decode {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What the decoder said.
+        message: String,
+    },
+    /// Pixels do not fill a rectangle.
+    #[error("{found} pixels for a photograph of {width} x {height}; expected their product, and at least one")]
+    Pixels {
+        /// Width asked for.
+        width: usize,
+        /// Height asked for.
+        height: usize,
+        /// Pixels given.
+        found: usize,
+    },
     /// The encoder of the image failed.
     #[error("image not encoded: {0}")]
     Encode(#[from] image::ImageError),

@@ -69,6 +69,11 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// A picture of pixels, row by row from the upper left corner.
+    pub(super) fn of_pixels(width: u32, height: u32, pixels: Vec<Rgb>) -> Self {
+        Self { width, height, pixels }
+    }
+
     /// Width in pixels.
     pub fn width(&self) -> u32 {
         self.width
@@ -273,7 +278,8 @@ fn charts(complex: &SimplicialComplex, fields: &[&FieldView<'_>], options: &Pict
     picture(canvas, options.width, total)
 }
 
-fn picture(canvas: Canvas, width: u32, height: i64) -> Picture {
+/// What was drawn, as a picture.
+pub(super) fn picture(canvas: Canvas, width: u32, height: i64) -> Picture {
     Picture { width, height: height as u32, pixels: canvas.into_pixels() }
 }
 

@@ -65,7 +65,7 @@ pub(super) fn visible_triangles(complex: &SimplicialComplex) -> Vec<[u32; 3]> {
 }
 
 /// Rows that one task fills. Every task takes the triangles in the same order, so the samples do not depend on threads.
-const STRIP: usize = 48;
+pub(super) const STRIP: usize = 48;
 
 /// Draws triangles into a `width x height` rectangle of samples.
 pub(super) fn rasterise(
@@ -99,7 +99,7 @@ pub(super) fn rasterise(
 }
 
 /// The triangles that reach into each strip, in their order.
-fn strips(triangles: &[[u32; 3]], places: &[[f64; 3]], height: usize) -> Vec<Vec<u32>> {
+pub(super) fn strips(triangles: &[[u32; 3]], places: &[[f64; 3]], height: usize) -> Vec<Vec<u32>> {
     let mut members = vec![Vec::new(); height.div_ceil(STRIP)];
     for (corners, triangle) in triangles.iter().zip(0..) {
         let down = corners.map(|v| places[v as usize][1]);

@@ -45,8 +45,18 @@ pub(super) struct BlocksBuilder<const D: usize, const R: usize> {
 }
 
 impl<const D: usize, const R: usize> BlocksBuilder<D, R> {
-    pub fn new() -> Self {
-        Self { starts: vec![0], columns: Vec::new(), coefficients: Vec::new(), slots: Vec::new(), share_starts: vec![0] }
+    /// Makes room for so many blocks over simplices, exactly: lists of this size must not grow by doubling.
+    pub fn new(blocks: usize) -> Self {
+        let columns = D * (D + 1);
+        let mut starts = Vec::with_capacity(blocks + 1);
+        starts.push(0);
+        Self {
+            share_starts: starts.clone(),
+            starts,
+            columns: Vec::with_capacity(blocks * columns),
+            coefficients: Vec::with_capacity(blocks * columns),
+            slots: Vec::with_capacity(blocks * columns * (columns + 1) / 2),
+        }
     }
 
     pub fn len(&self) -> usize {

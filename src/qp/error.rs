@@ -48,6 +48,12 @@ pub enum QpError {
         /// The number.
         value: f64,
     },
+    /// Other unknowns are fixed than those of the factor.
+    #[error("unknown {unknown} is fixed in one of two lists only; the same unknowns were expected in both")]
+    FixedSet {
+        /// The first such unknown.
+        unknown: usize,
+    },
     /// A chain without factors.
     #[error("term {term} is a chain of order 0; at least 1 was expected")]
     ChainOrder {

@@ -20,6 +20,9 @@ const BLOCKED: f64 = 0.05;
 /// So many short steps in a row end the search for duals that prove it; the elastic problem takes over.
 const PATIENCE: usize = 4;
 
+/// What is shown of an iterate: where the solve stands, and x.
+pub(super) type Watch<'a> = dyn FnMut(Progress, &[f64]) + 'a;
+
 /// A direction, or a point, in x, slack and dual.
 #[derive(Clone)]
 pub(super) struct Triple {
@@ -112,7 +115,25 @@ impl Engine {
         settings: &Settings,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Solution, QpError> {
-        self.run(problem, start.map_or(Start::Cold, Start::Point), settings, progress)
+        self.run(problem, start.map_or(Start::Cold, Start::Point), settings, &mut |at, _| progress(at))
+    }
+
+    /// As [`Engine::solve`], or [`Engine::solve_warm`] where the multipliers of a nearby problem are given, with a look at each iterate.
+    ///
+    /// # Arguments
+    /// * `warm`: x and dual of a previous solution, as for [`Engine::solve_warm`].
+    /// * `watch`: called once an iteration with the n numbers of the point.
+    ///
+    /// # Errors
+    /// As [`Engine::solve`].
+    pub fn solve_watched(
+        &mut self,
+        problem: &Problem,
+        warm: Option<(&[f64], &[f64])>,
+        settings: &Settings,
+        watch: &mut dyn FnMut(Progress, &[f64]),
+    ) -> Result<Solution, QpError> {
+        self.run(problem, warm.map_or(Start::Cold, |(x, dual)| Start::Warm { x, dual }), settings, watch)
     }
 
     /// Solves a problem from the point and duals of a nearby one (a moved value, the next refinement round).
@@ -130,7 +151,7 @@ impl Engine {
         settings: &Settings,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Solution, QpError> {
-        self.run(problem, Start::Warm { x, dual }, settings, progress)
+        self.run(problem, Start::Warm { x, dual }, settings, &mut |at, _| progress(at))
     }
 
     pub(super) fn run(
@@ -138,12 +159,13 @@ impl Engine {
         problem: &Problem,
         start: Start<'_>,
         settings: &Settings,
-        progress: &mut dyn FnMut(Progress),
+        progress: &mut Watch<'_>,
     ) -> Result<Solution, QpError> {
         let clock = Instant::now();
         problem.check()?;
         start.check(problem)?;
         let before = self.factorizations();
+        self.apply_precision();
         self.assemble(&problem.objective, &problem.fixed)?;
         let rows = Rows::new(problem, self)?;
         let (n, m) = (self.unknowns(), rows.len());
@@ -220,14 +242,14 @@ pub fn solve(
 
 impl Interior<'_> {
     /// Without rows the start is the optimum already.
-    fn without_rows(&mut self, progress: &mut dyn FnMut(Progress)) -> (QpStatus, usize) {
+    fn without_rows(&mut self, progress: &mut Watch<'_>) -> (QpStatus, usize) {
         let measure = Measure::of(self);
-        progress(measure.progress(0, 0.0));
+        progress(measure.progress(0, 0.0), &self.point.x);
         (if measure.is_optimal(self.settings) { QpStatus::Solved } else { QpStatus::Stalled }, 0)
     }
 
     /// Begins once more, elsewhere, after a stall far from the optimum; ends at the better of the two points.
-    fn restart(&mut self, iterations: usize, progress: &mut dyn FnMut(Progress)) -> Result<(QpStatus, usize), QpError> {
+    fn restart(&mut self, iterations: usize, progress: &mut Watch<'_>) -> Result<(QpStatus, usize), QpError> {
         let before = Measure::of(self);
         if before.kkt.duality_gap <= RESTART_GAP || iterations >= self.settings.max_iterations {
             return Ok((QpStatus::Stalled, iterations));
@@ -243,7 +265,7 @@ impl Interior<'_> {
     }
 
     /// After a stall on blocks: the elastic problem says whether they contradict each other; if it cannot, its point is the next start.
-    fn resume(&mut self, iterations: usize, progress: &mut dyn FnMut(Progress)) -> Result<(QpStatus, usize), QpError> {
+    fn resume(&mut self, iterations: usize, progress: &mut Watch<'_>) -> Result<(QpStatus, usize), QpError> {
         let before = Measure::of(self);
         let is_near = before.kkt.duality_gap <= RESTART_GAP && before.kkt.primal <= RESTART_GAP;
         if is_near || iterations >= self.settings.max_iterations {
@@ -267,7 +289,7 @@ impl Interior<'_> {
     }
 
     /// Iterates from the present point, counting from `first`.
-    fn iterate(&mut self, first: usize, progress: &mut dyn FnMut(Progress)) -> Result<(QpStatus, usize), QpError> {
+    fn iterate(&mut self, first: usize, progress: &mut Watch<'_>) -> Result<(QpStatus, usize), QpError> {
         let mut best = self.point.clone();
         let mut best_merit = f64::INFINITY;
         let mut without_progress = 0;
@@ -275,7 +297,7 @@ impl Interior<'_> {
         let mut blocked = 0;
         for iteration in first..=self.settings.max_iterations {
             let measure = Measure::of(self);
-            progress(measure.progress(iteration, length));
+            progress(measure.progress(iteration, length), &self.point.x);
             let merit = measure.merit(self.settings);
             if merit < best_merit {
                 without_progress = if merit < 0.9 * best_merit { 0 } else { without_progress + 1 };

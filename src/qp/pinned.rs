@@ -1,6 +1,7 @@
 //! Minimisers with some unknowns fixed and no rows: one factorisation, then any number of refined solves.
 
 use super::engine::{COLUMNS, Engine};
+use super::problem::check_fixed;
 use super::product::{add, dot, largest};
 use super::{Objective, QpError};
 
@@ -126,6 +127,25 @@ impl PinnedSolver<'_> {
         let scale = largest(&forces).max(largest(&self.objective.linear));
         let stationarity = if scale > 0.0 { largest(&gradient) / scale } else { largest(&gradient) };
         Minimum { objective: self.objective.value(&x), x, stationarity, solves }
+    }
+
+    /// The minimiser with other values at the same fixed unknowns; the factor serves for all of them.
+    ///
+    /// # Arguments
+    /// * `fixed`: n entries, values where [`Engine::pin`] was given some.
+    ///
+    /// # Errors
+    /// [`QpError::Length`], [`QpError::NotFinite`], [`QpError::FixedSet`] if other unknowns are fixed.
+    ///
+    /// # Cost
+    /// A few solves.
+    pub fn minimise_at(&mut self, fixed: &[Option<f64>]) -> Result<Minimum, QpError> {
+        check_fixed(fixed, self.start.len())?;
+        if let Some(unknown) = (0..fixed.len()).find(|&unknown| fixed[unknown].is_some() != self.engine.is_fixed[unknown]) {
+            return Err(QpError::FixedSet { unknown });
+        }
+        self.start = fixed.iter().map(|value| value.unwrap_or(0.0)).collect();
+        Ok(self.minimise())
     }
 
     /// Overwrites right-hand sides r with the solutions of `P d = r` on the free unknowns, `d = 0` on the fixed ones.

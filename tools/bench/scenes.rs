@@ -172,3 +172,68 @@ pub fn bar(length: usize, width: usize, degrees: f64) -> Scene {
     let rotations = complex.simplices().chunks(4).map(|corners| turn(angle(mean(corners)))).collect();
     Scene { complex, handles, targets, rotations }
 }
+
+/// The bar of 10,800 tetrahedra, `50 x 6 x 6` cubes, and what is done to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// Ends turned against each other about the long axis by an angle.
+    Twist(f64),
+    /// Drawn to a multiple of its length, ends held.
+    Stretch(f64),
+}
+
+/// A bar of `length x width x width` cubes and length 1 under a load; its ends, a tenth of its length each, are held.
+pub fn rod(length: usize, width: usize, load: Load) -> Scene {
+    const HELD: f64 = 0.1;
+    let step = 1.0 / length as f64;
+    let complex = solid([length, width, width], step, |_| true);
+    let middle = width as f64 * step / 2.0;
+    // From -1 at the one end to 1 at the other.
+    let along = |x: f64| ((x - 0.5) / (0.5 - HELD)).clamp(-1.0, 1.0);
+    let about = |angle: f64| {
+        let (sine, cosine) = angle.sin_cos();
+        [[1.0, 0.0, 0.0], [0.0, cosine, -sine], [0.0, sine, cosine]]
+    };
+    let rotation = |x: f64| match load {
+        Load::Twist(degrees) => about(0.5 * degrees.to_radians() * along(x)),
+        Load::Stretch(_) => about(0.0),
+    };
+    let (mut handles, mut targets) = (Vec::new(), Vec::new());
+    for (vertex, &p) in complex.points().iter().enumerate() {
+        if (p[0] - 0.5).abs() >= 0.5 - HELD - 1e-12 {
+            let shift = if let Load::Stretch(factor) = load { 0.5 * (factor - 1.0) * along(p[0]) } else { 0.0 };
+            let to = rotated(&rotation(p[0]), [p[0], p[1] - middle, p[2] - middle]);
+            handles.push(vertex.into());
+            targets.push([to[0] + shift, to[1] + middle, to[2] + middle]);
+        }
+    }
+    let mean = |corners: &[u32]| corners.iter().map(|&v| complex.points()[v as usize][0]).sum::<f64>() / 4.0;
+    let rotations = complex.simplices().chunks(4).map(|corners| rotation(mean(corners))).collect();
+    Scene { complex, handles, targets, rotations }
+}
+
+/// The unit square at rest with its boundary held; one triangle in the middle is asked to turn by an angle.
+pub fn lone(cells: usize, degrees: f64) -> Scene {
+    let mut scene = quad(cells);
+    scene.targets = scene.handles.iter().map(|vertex| scene.complex.points()[vertex.index()]).collect();
+    let count = scene.complex.simplex_count();
+    scene.rotations = vec![turn(0.0); count];
+    scene.rotations[count / 2 + 1] = turn(degrees.to_radians());
+    scene
+}
+
+/// The quad with every rotation drawn anew, evenly within an angle to either side.
+pub fn shaken(cells: usize, degrees: f64, seed: u64) -> Scene {
+    let mut scene = quad(cells);
+    let mut state = seed;
+    for rotation in &mut scene.rotations {
+        // SplitMix64.
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let even = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+        *rotation = turn(even * degrees.to_radians());
+    }
+    scene
+}

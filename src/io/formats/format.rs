@@ -7,7 +7,7 @@ use crate::io::error::Fault;
 use crate::io::write::Objection;
 
 use super::shapes::Shapes;
-use super::{gmsh, gmsh_write, medit, obj, off, ply, stl};
+use super::{gmsh, gmsh_write, medit, obj, off, ply, series, stl};
 
 /// A format of a mesh file, named by its extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,16 +18,20 @@ pub(in crate::io) enum MeshFormat {
     Stl,
     Medit,
     Gmsh,
+    /// A table with this separator.
+    Table(u8),
 }
 
 impl MeshFormat {
-    const EXTENSIONS: [(&'static str, Self); 6] = [
+    const EXTENSIONS: [(&'static str, Self); 8] = [
         ("obj", Self::Obj),
         ("off", Self::Off),
         ("ply", Self::Ply),
         ("stl", Self::Stl),
         ("mesh", Self::Medit),
         ("msh", Self::Gmsh),
+        ("csv", Self::Table(b',')),
+        ("tsv", Self::Table(b'\t')),
     ];
 
     pub fn of_extension(extension: &str) -> Option<Self> {
@@ -42,6 +46,7 @@ impl MeshFormat {
             Self::Stl => stl::read(bytes),
             Self::Medit => medit::read(bytes),
             Self::Gmsh => gmsh::read(bytes),
+            Self::Table(_) => series::read(bytes),
         }
     }
 
@@ -50,12 +55,18 @@ impl MeshFormat {
     /// # Errors
     /// What makes writing impossible: cells that the format does not know.
     pub fn losses(self, dataset: &DataSet) -> Result<Vec<String>, Objection> {
+        if let Self::Table(_) = self {
+            return series::check(dataset).map(|()| series::losses(dataset));
+        }
         let shapes = Shapes::of(dataset)?;
         shapes.check(self)?;
         Ok(shapes.losses(self, dataset))
     }
 
     pub fn write<W: Write>(self, dataset: &DataSet, out: &mut BufWriter<W>) -> std::io::Result<()> {
+        if let Self::Table(delimiter) = self {
+            return series::write(dataset, delimiter, out);
+        }
         let shapes = Shapes::of(dataset).map_err(|(found, expected)| invalid(found, expected))?;
         match self {
             Self::Obj => obj::write(&shapes, out),
@@ -64,6 +75,7 @@ impl MeshFormat {
             Self::Stl => stl::write(&shapes, out),
             Self::Medit => medit::write(&shapes, dataset, out),
             Self::Gmsh => gmsh_write::write(&shapes, dataset, out),
+            Self::Table(_) => Ok(()),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Several pieces of one file become one data set.
+//! Several pieces become one data set.
 
 use crate::io::array::{ArrayData, DataArray, with_values};
 use crate::io::dataset::{Attributes, CellArray, DataSet, Extent, Geometry, Polyhedra};
@@ -8,7 +8,7 @@ use crate::io::error::{Fault, Place, quoted};
 type Sources = Vec<(u32, u32)>;
 
 /// Merges pieces of one kind. Empty ones only count if there is no other.
-pub(super) fn merge(mut pieces: Vec<DataSet>) -> Result<DataSet, Fault> {
+pub(in crate::io) fn merge(mut pieces: Vec<DataSet>) -> Result<DataSet, Fault> {
     let filled = pieces.iter().filter(|piece| piece.point_count() > 0).count();
     if filled > 0 {
         pieces.retain(|piece| piece.point_count() > 0);
@@ -157,6 +157,10 @@ fn join_polyhedra(parts: &[Option<&Polyhedra>], cell_counts: &[usize], shifts: &
 }
 
 fn merge_grids(pieces: &[DataSet]) -> Result<DataSet, Fault> {
+    if let Some(piece) = pieces.iter().position(|piece| frame(piece) != frame(&pieces[0])) {
+        let found = format!("another origin, spacing or direction in piece {piece} than in the first");
+        return Err(Fault::new(Place::File, found, "pieces of one grid"));
+    }
     let extents: Vec<Extent> = pieces.iter().map(extent_of).collect();
     let mut bounds = extents[0].0;
     for Extent(extent) in &extents {
@@ -183,6 +187,14 @@ fn merge_grids(pieces: &[DataSet]) -> Result<DataSet, Fault> {
     whole.point_data = gather_all(pieces, |piece| &piece.point_data, point_sources)?;
     whole.cell_data = gather_all(pieces, |piece| &piece.cell_data, || grid_sources(&extents, whole_extent, true))?;
     Ok(whole)
+}
+
+/// Origin, spacing and direction of an image.
+fn frame(piece: &DataSet) -> Option<([f64; 3], [f64; 3], [f64; 9])> {
+    match &piece.geometry {
+        Geometry::ImageData { origin, spacing, direction, .. } => Some((*origin, *spacing, *direction)),
+        _ => None,
+    }
 }
 
 fn extent_of(piece: &DataSet) -> Extent {

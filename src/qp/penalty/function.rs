@@ -4,7 +4,8 @@
 ///
 /// Formulas are for eigenvalues in the problem's own unit rho (a typical row of `A x + b`), `y = lambda / rho`, and give
 /// `T = w rho² t(y)`; so scaling a problem does not change its iterates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Penalty {
     /// `t = tau y²` for y < 0, else 0: once differentiable. Equation 5.
     #[default]

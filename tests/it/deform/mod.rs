@@ -1,8 +1,10 @@
 //! The assembled problem against energies and eigenvalues computed apart from it, and refusals.
 
 mod assembly;
+mod comparison;
 mod refusals;
 mod scene;
+mod skinning;
 mod solve;
 
 #[path = "../../../tools/bench/scenes.rs"]

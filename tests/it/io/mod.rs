@@ -2,12 +2,15 @@
 
 mod damage;
 mod domains;
+mod handles;
 mod meshes;
+mod parallel;
 mod encodings;
 mod refusals;
 mod replacing;
 mod roundtrip;
 mod speed;
+mod tables;
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +24,7 @@ fn file(name: &str) -> PathBuf {
 /// All files written by real VTK, sorted.
 fn files() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(file("")).unwrap();
-    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).filter(|path| path.is_file()).collect();
     paths.sort();
     assert!(paths.len() >= 60, "files are missing");
     paths

@@ -22,7 +22,7 @@ fn message(bytes: impl AsRef<[u8]>) -> String {
 
 #[test]
 fn files_that_are_no_vtk_files() {
-    let known = "a serial VTK XML file, a legacy .vtk file, or a mesh (.obj .off .ply .stl .mesh .msh)";
+    let known = "a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv)";
     assert_eq!(message(""), format!("bad: found an empty file; expected {known}"));
     assert_eq!(message("x,y\n1,2\n"), format!("bad: a file of unknown format cannot be read here; expected {known}"));
     assert_eq!(message(b"\x89HDF\r\n\x1a\n"), format!("bad: an HDF5 file cannot be read here; expected {known}"));
@@ -36,8 +36,8 @@ fn files_that_are_no_vtk_files() {
 fn kinds_of_xml_files_that_are_not_read() {
     let kinds = "ImageData, RectilinearGrid, StructuredGrid, PolyData or UnstructuredGrid in one file";
     assert_eq!(
-        message("<VTKFile type=\"PImageData\"><PImageData/></VTKFile>"),
-        format!("bad, line 1: type=\"PImageData\" cannot be read here; expected {kinds}")
+        message("<VTKFile type=\"HyperTreeGrid\"><HyperTreeGrid/></VTKFile>"),
+        format!("bad, line 1: type=\"HyperTreeGrid\" cannot be read here; expected {kinds}")
     );
     assert_eq!(
         message("<VTKFile type=\"ImageData\" compressor=\"vtkZStd\"/>"),

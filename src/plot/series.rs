@@ -1,0 +1,242 @@
+//! A series and its smooth version over place or time, with the kept extrema marked: one drawing, as SVG or as PNG.
+
+use std::fmt::Write;
+
+use super::canvas::{Align, Canvas, LABEL, TITLE};
+use super::colour::{FAINT_INK, INK, MAXIMUM, MINIMUM, Rgb};
+use super::dates::date_ticks;
+use super::error::PlotError;
+use super::panel::draw_mark;
+use super::picture::Picture;
+use super::ticks::ticks;
+
+const WIDTH: i64 = 1600;
+const HEIGHT: i64 = 640;
+const LEFT: i64 = 110;
+const RIGHT: i64 = 28;
+const TOP: i64 = 56;
+const BOTTOM: i64 = 92;
+const GRID: Rgb = [228, 228, 232];
+const DATA: Rgb = [150, 166, 190];
+const SMOOTH: Rgb = [20, 24, 34];
+const SPIKE: Rgb = [232, 150, 20];
+
+/// What the places of a series are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlaceKind {
+    /// Numbers.
+    Numbers,
+    /// Days since 1970-01-01, shown as dates.
+    Days,
+}
+
+/// A series, its smooth version, and what is marked in it.
+#[derive(Debug, Clone, Copy)]
+pub struct SeriesChart<'a> {
+    /// Above the chart.
+    pub title: &'a str,
+    /// What the places are called.
+    pub place: &'a str,
+    /// What they are.
+    pub kind: PlaceKind,
+    /// `n` places, rising strictly.
+    pub places: &'a [f64],
+    /// `n` values of the data; NaN where one is missing.
+    pub data: &'a [f64],
+    /// `n` values of the smooth series.
+    pub smooth: &'a [f64],
+    /// Numbers of its kept minima.
+    pub minima: &'a [usize],
+    /// Numbers of its kept maxima.
+    pub maxima: &'a [usize],
+    /// Numbers of the places where it may have a corner.
+    pub spikes: &'a [usize],
+}
+
+/// A part of the drawing, in pixels from the upper left corner.
+enum Mark {
+    Line(Vec<[f64; 2]>, f64, Rgb),
+    Disc([f64; 2], f64, Rgb),
+    Star([f64; 2]),
+    Text([f64; 2], Align, bool, String),
+}
+
+impl SeriesChart<'_> {
+    /// The chart as an SVG document.
+    ///
+    /// # Errors
+    /// [`PlotError::Empty`] without two places, [`PlotError::Number`] for values that are not finite.
+    ///
+    /// # Cost
+    /// O(n).
+    pub fn svg(&self) -> Result<String, PlotError> {
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
+        );
+        for mark in self.marks()? {
+            // Writing to a String cannot fail.
+            let _ = mark.write_svg(&mut svg);
+        }
+        svg.push_str("</svg>\n");
+        Ok(svg)
+    }
+
+    /// The chart as a picture of 1600 x 640 pixels.
+    ///
+    /// # Errors
+    /// As [`SeriesChart::svg`].
+    ///
+    /// # Cost
+    /// O(n + pixels).
+    pub fn picture(&self) -> Result<Picture, PlotError> {
+        let mut canvas = Canvas::new(WIDTH as u32, HEIGHT as u32);
+        self.marks()?.iter().for_each(|mark| mark.draw(&mut canvas));
+        Ok(Picture::of_pixels(WIDTH as u32, HEIGHT as u32, canvas.into_pixels()))
+    }
+
+    fn marks(&self) -> Result<Vec<Mark>, PlotError> {
+        let count = self.places.len().min(self.data.len()).min(self.smooth.len());
+        if count < 2 {
+            return Err(PlotError::Empty);
+        }
+        let (first, last) = (self.places[0], self.places[count - 1]);
+        if let Some(&found) = self.places.iter().chain(self.smooth).find(|value| !value.is_finite()) {
+            return Err(PlotError::Number { what: "a place or value of the series", found, expected: "" });
+        }
+        let values = || self.data.iter().chain(self.smooth).filter(|value| value.is_finite());
+        let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)));
+        let room = 0.05 * if high > low { high - low } else { 1.0 };
+        let (low, high) = (low - room, high + room);
+        let (width, height) = ((WIDTH - LEFT - RIGHT) as f64, (HEIGHT - TOP - BOTTOM) as f64);
+        let x = |at: f64| LEFT as f64 + (at - first) / (last - first) * width;
+        let y = |value: f64| TOP as f64 + (high - value) / (high - low) * height;
+        let (right, bottom) = (LEFT as f64 + width, TOP as f64 + height);
+
+        let mut marks = vec![Mark::Text([WIDTH as f64 / 2.0, 28.0], Align::Centre, true, self.title.to_owned())];
+        for (value, text) in ticks(low, high, 7) {
+            marks.push(Mark::Line(vec![[LEFT as f64, y(value)], [right, y(value)]], 0.5, GRID));
+            marks.push(Mark::Text([LEFT as f64 - 10.0, y(value)], Align::Right, false, text));
+        }
+        let across = match self.kind {
+            PlaceKind::Numbers => ticks(first, last, 10),
+            PlaceKind::Days => date_ticks(first, last, 9),
+        };
+        for (at, text) in across {
+            marks.push(Mark::Line(vec![[x(at), TOP as f64], [x(at), bottom]], 0.5, GRID));
+            marks.push(Mark::Text([x(at), bottom + 18.0], Align::Centre, false, text));
+        }
+        let corners = [[LEFT as f64, TOP as f64], [right, TOP as f64], [right, bottom], [LEFT as f64, bottom], [LEFT as f64, TOP as f64]];
+        marks.push(Mark::Line(corners.to_vec(), 0.5, FAINT_INK));
+        let place = |index: usize, values: &[f64]| [x(self.places[index]), y(values[index])];
+        let present: Vec<usize> = (0..count).filter(|&index| !self.data[index].is_nan()).collect();
+        // A gap in the data is a gap in its line.
+        for run in present.chunk_by(|a, b| a + 1 == *b) {
+            marks.push(Mark::Line(run.iter().map(|&index| place(index, self.data)).collect(), 0.7, DATA));
+        }
+        marks.push(Mark::Line((0..count).map(|index| place(index, self.smooth)).collect(), 1.1, SMOOTH));
+        let radius = if self.minima.len() + self.maxima.len() > 60 { 3.0 } else { 5.0 };
+        for (indices, colour) in [(self.minima, MINIMUM), (self.maxima, MAXIMUM)] {
+            let known = indices.iter().filter(|&&index| index < count);
+            marks.extend(known.map(|&index| Mark::Disc(place(index, self.smooth), radius, colour)));
+        }
+        marks.extend(self.spikes.iter().filter(|&&index| index < count).map(|&index| Mark::Star(place(index, self.smooth))));
+        self.add_legend(&mut marks, bottom + 62.0);
+        Ok(marks)
+    }
+
+    fn add_legend(&self, marks: &mut Vec<Mark>, row: f64) {
+        let mut left = LEFT as f64;
+        let mut say = |marks: &mut Vec<Mark>, sign: Option<Mark>, text: String| {
+            if let Some(sign) = sign {
+                marks.push(sign);
+                left += 24.0;
+            }
+            let width = LABEL.width(&text) as f64;
+            marks.push(Mark::Text([left, row], Align::Left, false, text));
+            left += width + 30.0;
+        };
+        let dash = |left: f64, radius: f64, colour: Rgb| Mark::Line(vec![[left, row], [left + 16.0, row]], radius, colour);
+        let at = LEFT as f64;
+        let column = |texts: &[&str]| texts.iter().fold(at, |left, text| left + 24.0 + LABEL.width(text) as f64 + 30.0);
+        let (minima, maxima) = (format!("{} minima", self.minima.len()), format!("{} maxima", self.maxima.len()));
+        let words = ["data", "smooth", &minima, &maxima];
+        say(marks, Some(dash(at, 0.9, DATA)), words[0].to_owned());
+        say(marks, Some(dash(column(&words[..1]), 1.3, SMOOTH)), words[1].to_owned());
+        say(marks, Some(Mark::Disc([column(&words[..2]) + 8.0, row], 5.0, MINIMUM)), words[2].to_owned());
+        say(marks, Some(Mark::Disc([column(&words[..3]) + 8.0, row], 5.0, MAXIMUM)), words[3].to_owned());
+        if !self.spikes.is_empty() {
+            let text = format!("{} kept as a spike", self.spikes.len());
+            say(marks, Some(Mark::Star([column(&words) + 8.0, row])), text);
+        }
+        marks.push(Mark::Text([(WIDTH - RIGHT) as f64, row], Align::Right, false, self.place.to_owned()));
+    }
+}
+
+/// Corners of a star with five rays.
+fn star([x, y]: [f64; 2]) -> Vec<[f64; 2]> {
+    (0..=10)
+        .map(|corner| {
+            let (angle, radius) = (std::f64::consts::PI * f64::from(corner) / 5.0, if corner % 2 == 0 { 11.0 } else { 4.6 });
+            [x + radius * angle.sin(), y - radius * angle.cos()]
+        })
+        .collect()
+}
+
+impl Mark {
+    fn draw(&self, canvas: &mut Canvas) {
+        match self {
+            Self::Line(points, radius, colour) => {
+                points.windows(2).for_each(|ends| canvas.segment(ends[0], ends[1], *radius, *colour));
+            }
+            Self::Disc(centre, radius, colour) => draw_mark(canvas, *centre, *radius, *colour),
+            Self::Star(centre) => {
+                let corners = star(*centre);
+                corners.windows(2).for_each(|ends| canvas.segment(ends[0], ends[1], 1.0, SPIKE));
+                corners.windows(2).for_each(|ends| canvas.segment(*centre, ends[0], 1.6, SPIKE));
+            }
+            Self::Text([x, y], align, is_title, text) => {
+                let font = if *is_title { TITLE } else { LABEL };
+                canvas.text(x.round() as i64, y.round() as i64 - font.height() / 2, *align, font, INK, text);
+            }
+        }
+    }
+
+    fn write_svg(&self, svg: &mut String) -> std::fmt::Result {
+        let hex = |[r, g, b]: Rgb| format!("#{r:02x}{g:02x}{b:02x}");
+        let path = |points: &[[f64; 2]]| points.iter().map(|[x, y]| format!("{x:.2},{y:.2}")).collect::<Vec<_>>().join(" ");
+        match self {
+            Self::Line(points, radius, colour) => writeln!(
+                svg,
+                "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:.1}\" stroke-linejoin=\"round\"/>",
+                path(points),
+                hex(*colour),
+                2.0 * radius
+            ),
+            Self::Disc([x, y], radius, colour) => writeln!(
+                svg,
+                "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius}\" fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1\"/>",
+                hex(*colour)
+            ),
+            Self::Star(centre) => {
+                writeln!(svg, "<polygon points=\"{}\" fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1\"/>", path(&star(*centre)), hex(SPIKE))
+            }
+            Self::Text([x, y], align, is_title, text) => {
+                let anchor = match align {
+                    Align::Left => "start",
+                    Align::Centre => "middle",
+                    Align::Right => "end",
+                };
+                let (size, weight) = if *is_title { (20, "bold") } else { (15, "normal") };
+                let escaped = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+                writeln!(
+                    svg,
+                    "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" font-family=\"sans-serif\" font-size=\"{size}\" \
+                     font-weight=\"{weight}\" fill=\"{}\">{escaped}</text>",
+                    y + 5.0,
+                    hex(INK)
+                )
+            }
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! The same planar deformation in the crate `clarabel`: a positive semi-definite 2 x 2 matrix is a second-order cone.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SecondOrderConeT, SupportedConeT, ZeroConeT};
+use morsmooth::linalg::CsrMatrix;
+use morsmooth::qp::{Cone, Problem, Term};
+use std::time::Instant;
+
+use crate::clock::processor_seconds;
+
+/// Tolerances that are tried in turn until the energy is right.
+const TOLERANCES: [f64; 5] = [1e-8, 1e-10, 1e-11, 1e-12, 1e-13];
+
+/// Clarabel is as accurate as us once its energy is within this share of ours.
+const ACCURATE: f64 = 1e-6;
+
+/// Its first run with an energy within [`ACCURATE`] of ours, or the last: iterations, seconds, and how far off the energy is.
+pub fn clarabel(problem: &Problem, energy: f64) -> serde_json::Value {
+    let n = problem.fixed.len();
+    if problem.constraints.cones.iter().any(|cone| !matches!(cone, Cone::Psd2(_))) {
+        return serde_json::json!("only planar scenes: the crate's matrix cones want LAPACK");
+    }
+    let mut triplets = Vec::new();
+    for term in &problem.objective.terms {
+        match term {
+            Term::Diagonal(diagonal) => triplets.extend(diagonal.iter().enumerate().map(|(i, &d)| (i as u32, i as u32, d))),
+            Term::Matrix(matrix) | Term::Chain { stiffness: matrix, .. } => {
+                for row in 0..n {
+                    let (columns, values) = matrix.row(row);
+                    triplets.extend(columns.iter().zip(values).map(|(&column, &value)| (row as u32, column, value)));
+                }
+            }
+        }
+    }
+    let quadratic = CsrMatrix::from_triplets(n, n, &triplets).unwrap();
+    let (mut rows, mut right) = (Vec::new(), Vec::new());
+    for (unknown, value) in problem.fixed.iter().enumerate() {
+        if let Some(value) = value {
+            rows.push((right.len() as u32, unknown as u32, 1.0));
+            right.push(*value);
+        }
+    }
+    let equalities = right.len();
+    let blocks = problem.constraints.offset.len() / 3;
+    for block in 0..blocks {
+        // (s11 + s22, s11 - s22, 2 s21) of the rows (s11, √2 s21, s22).
+        for parts in [[(0, 1.0), (2, 1.0)].as_slice(), &[(0, 1.0), (2, -1.0)], &[(1, 2f64.sqrt())]] {
+            let mut offset = 0.0;
+            for &(part, factor) in parts {
+                let row = 3 * block + part;
+                let (columns, values) = problem.constraints.matrix.row(row);
+                rows.extend(columns.iter().zip(values).map(|(&column, &value)| (right.len() as u32, column, -factor * value)));
+                offset += factor * problem.constraints.offset[row];
+            }
+            right.push(offset);
+        }
+    }
+    let matrix = CsrMatrix::from_triplets(right.len(), n, &rows).unwrap();
+    let mut cones: Vec<SupportedConeT<f64>> = vec![ZeroConeT(equalities)];
+    cones.extend((0..blocks).map(|_| SecondOrderConeT(3)));
+    let (quadratic, matrix) = (columns_of(&quadratic, true), columns_of(&matrix, false));
+    let mut last = serde_json::Value::Null;
+    for tolerance in TOLERANCES {
+        let settings = DefaultSettingsBuilder::default()
+            .verbose(false)
+            .tol_gap_abs(tolerance)
+            .tol_gap_rel(tolerance)
+            .tol_feas(tolerance.max(1e-9))
+            .max_threads(1u32)
+            .time_limit(60.0)
+            .build()
+            .unwrap();
+        let (clock, wall) = (processor_seconds(), Instant::now());
+        let mut solver = DefaultSolver::new(&quadratic, &problem.objective.linear, &matrix, &right, &cones, settings).unwrap();
+        solver.solve();
+        let off = (problem.objective.value(&solver.solution.x) - energy).abs() / energy;
+        last = serde_json::json!({
+            "tolerance": tolerance,
+            "status": format!("{:?}", solver.solution.status),
+            "iterations": solver.solution.iterations,
+            "processor": processor_seconds() - clock,
+            "seconds": wall.elapsed().as_secs_f64(),
+            "energy_off": off,
+        });
+        if off <= ACCURATE || wall.elapsed().as_secs_f64() > 60.0 {
+            break;
+        }
+    }
+    last
+}
+
+fn columns_of(matrix: &CsrMatrix, upper: bool) -> CscMatrix<f64> {
+    let by_columns = matrix.transpose();
+    let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+    for column in 0..by_columns.rows() {
+        let (rows, entries) = by_columns.row(column);
+        for (&row, &value) in rows.iter().zip(entries) {
+            if !upper || row as usize <= column {
+                indices.push(row as usize);
+                values.push(value);
+            }
+        }
+        starts.push(indices.len());
+    }
+    CscMatrix::new(matrix.rows(), matrix.columns(), starts, indices, values)
+}
