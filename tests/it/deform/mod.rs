@@ -2,6 +2,7 @@
 
 mod assembly;
 mod comparison;
+mod driver;
 mod refusals;
 mod scene;
 mod skinning;
