@@ -41,6 +41,11 @@ impl PendingFile {
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);
         hidden.push(format!(".{}-{}.part", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
+        // The same ending, by which formats are told when the file is read back.
+        if let Some(extension) = real.extension() {
+            hidden.push(".");
+            hidden.push(extension);
+        }
         let temporary = real.with_file_name(hidden);
         let file = OpenOptions::new().write(true).create_new(true).open(&temporary).map_err(failed)?;
         let pending = Self { temporary, target: real, committed: false };

@@ -2,14 +2,18 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod args;
+mod by_hand;
 mod check;
 mod complex;
 mod complex_report;
 mod convert;
+mod diffuse;
+mod diffuse_colours;
 mod extrema;
 mod failure;
 mod info;
 mod input;
+mod interpolate;
 mod number;
 mod output;
 mod persistence;
@@ -19,6 +23,7 @@ mod pose_audit;
 mod report;
 mod series;
 mod series_input;
+mod shape_input;
 mod simplify;
 mod smooth;
 mod table;
@@ -67,6 +72,8 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Smooth(args) => args.talk.threads,
         Command::Simplify(args) => args.talk.threads,
         Command::Persistence(args) => args.talk.threads,
+        Command::Interpolate(args) => args.talk.threads,
+        Command::Diffuse(args) => args.talk.threads,
         Command::Series(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
@@ -88,6 +95,8 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Smooth(args) => smooth::run(args),
         Command::Simplify(args) => simplify::run(args),
         Command::Persistence(args) => persistence::run(args),
+        Command::Interpolate(args) => interpolate::run(args),
+        Command::Diffuse(args) => diffuse::run(args),
         Command::Series(args) => series::run(args),
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),

@@ -4,12 +4,15 @@ mod bad_fields;
 mod bad_files;
 mod bad_usage;
 mod command;
+mod by_hand;
 mod complex;
+mod diffuse;
 mod fields;
 mod kinds;
 mod options;
 mod persistence;
 mod queries;
+mod series;
 mod simplify;
 mod unusual;
 
