@@ -231,7 +231,8 @@ fn json_entries(path: &Path, bytes: &[u8], kind: ExtremumKind) -> Result<Vec<Ent
             },
             _ => None,
         };
-        Ok((place, spot, rule.ok_or_else(|| fault("\"value\": a number, [low, high] or null"))?))
+        let rule = rule.ok_or_else(|| fault("\"value\": a number, [low, high] or null"))?;
+        Ok((place, spot, rule))
     };
     list.iter().enumerate().map(entry).collect()
 }
