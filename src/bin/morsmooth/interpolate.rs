@@ -130,6 +130,10 @@ pub fn run(args: &InterpolateArgs) -> Result<Outcome, Failure> {
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
     let dataset = fitting(load(&args.input, &args.outline)?, &args.output)?;
+    if dataset.point_array(&args.output_array).is_some() {
+        let text = format!("the result would replace the array '{}' of the input; expected another --output-array", args.output_array);
+        return Err(Failure::file(&args.input, text));
+    }
     let input = domain(&args.input, dataset, args.mask.as_ref(), &args.output_array)?;
     input.notes.iter().for_each(|note| talk.line(&format!("note: {note}")));
     let wishes = wishes(args.minima.as_deref(), args.maxima.as_deref(), &input)?;

@@ -42,7 +42,10 @@ pub fn domain(path: &Path, dataset: DataSet, mask: Option<&String>, name: &str) 
     let numbers = (0..dataset.point_count()).map(|point| point as f64).collect();
     let array = DataArray::new(name, 1, ArrayData::F64(numbers));
     let args = FieldArgs { input: path.to_owned(), array: None, mask: mask.cloned(), derive: None };
-    let mut input = FieldInput::of_array(&Rc::new(dataset), &array, &args, None)?;
+    let mut numbered = dataset.clone();
+    numbered.set_point_array(array.clone());
+    let mut input = FieldInput::of_array(&Rc::new(numbered), &array, &args, None)?;
+    input.dataset = Rc::new(dataset);
     // Points outside have no value.
     input.on_points.iter_mut().for_each(|value| *value = f64::NAN);
     Ok(input)
