@@ -150,6 +150,7 @@ fn table_entries(path: &Path, bytes: &[u8]) -> Result<Vec<Entry>, Failure> {
         let found = table.names().join(", ");
         return Err(Failure::file(path, format!("found the columns {found}; expected point, value or x, y, z, value")));
     }
+    let coordinates = position.iter().map(|&column| table.numbers(column)).collect::<Result<Vec<_>, _>>().map_err(told)?;
     let row = |row: usize| {
         let place = format!("line {}", table.line(row));
         let fault = |found: &str, expected: &str| Failure::file(path, format!("{place}: found '{found}'; expected {expected}"));
@@ -167,10 +168,11 @@ fn table_entries(path: &Path, bytes: &[u8]) -> Result<Vec<Entry>, Failure> {
             }
             None => {
                 let mut at = [0.0; 3];
-                for (axis, &column) in position.iter().enumerate() {
-                    let cell = table.cell(row, column);
-                    let number: Option<f64> = cell.parse().ok();
-                    at[axis] = number.filter(|number| number.is_finite()).ok_or_else(|| fault(cell, "a coordinate"))?;
+                for (axis, numbers) in coordinates.iter().enumerate() {
+                    at[axis] = numbers[row];
+                    if numbers[row].is_nan() {
+                        return Err(fault(table.cell(row, position[axis]), "a coordinate"));
+                    }
                 }
                 Spot::Position(at)
             }
@@ -182,7 +184,8 @@ fn table_entries(path: &Path, bytes: &[u8]) -> Result<Vec<Entry>, Failure> {
 
 /// `0.5`, `0.2..0.8`, or nothing.
 fn rule(text: &str) -> Option<ValueRule> {
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+    // A comma is the decimal mark here: cells are not separated by it, or it would not be in one.
+    let number = |text: &str| text.trim().replacen(',', ".", 1).parse::<f64>().ok().filter(|value| value.is_finite());
     match (text.trim(), text.split_once("..")) {
         ("" | "free", _) => Some(ValueRule::Free),
         (_, Some((low, high))) => interval(number(low)?, number(high)?),

@@ -134,7 +134,7 @@ fn table_dabs(path: &Path) -> Result<Vec<Dab>, Failure> {
         let fault = |cell: &str, expected: &str| Failure::file(path, format!("{place}: found '{cell}'; expected {expected}"));
         let number = |column: usize, expected: &str| {
             let cell = table.cell(row, column);
-            cell.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| fault(cell, expected))
+            cell.replacen(',', ".", 1).parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| fault(cell, expected))
         };
         let colour = match (colour, channels) {
             (Some(column), _) => {
