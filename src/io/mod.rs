@@ -36,7 +36,7 @@ pub use dataset::{Attributes, CellArray, DataSet, Extent, Geometry, IndexWidth, 
 pub use diagram::{DiagramField, DiagramLayout, diagram_dataset};
 pub use domain::{DomainIoError, MaskSources, domain, grid, mask};
 pub use error::{IoError, Place};
-pub use formats::{Table, TableAxis, polyline};
+pub use formats::{Table, TableAxis, image_dataset, polyline};
 pub use handles::{read_handles, region_handles};
 pub use outline::{outline_dataset, read_mesh_or_outline, read_outline};
 pub use pending::{PendingFile, is_same_file};

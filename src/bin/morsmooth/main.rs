@@ -3,15 +3,19 @@
 
 mod animate;
 mod args;
+mod by_hand;
 mod check;
 mod complex;
 mod complex_report;
 mod convert;
 mod deform;
+mod diffuse;
+mod diffuse_colours;
 mod extrema;
 mod failure;
 mod info;
 mod input;
+mod interpolate;
 mod number;
 mod output;
 mod persistence;
@@ -25,6 +29,7 @@ mod series_input;
 mod shape;
 mod shape_file;
 mod shape_pictures;
+mod shape_input;
 mod simplify;
 mod smooth;
 mod table;
@@ -77,6 +82,8 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Smooth(args) => args.talk.threads,
         Command::Simplify(args) => args.talk.threads,
         Command::Persistence(args) => args.talk.threads,
+        Command::Interpolate(args) => args.talk.threads,
+        Command::Diffuse(args) => args.talk.threads,
         Command::Series(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
@@ -101,6 +108,8 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Smooth(args) => smooth::run(args),
         Command::Simplify(args) => simplify::run(args),
         Command::Persistence(args) => persistence::run(args),
+        Command::Interpolate(args) => interpolate::run(args),
+        Command::Diffuse(args) => diffuse::run(args),
         Command::Series(args) => series::run(args),
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),
