@@ -47,7 +47,7 @@ fn a_shift_stretches_what_lies_between() {
         assert_eq!(before.field_data, after.field_data);
         let report = bench.json("r.json");
         assert_eq!((report["inversions"]["count"].as_u64(), report["method"].as_str()), (Some(0), Some(method)));
-        assert!(std::fs::read(bench.path("p/after.png")).unwrap().starts_with(b"\x89PNG"));
+        assert!(std::fs::read(bench.path("p/before_after.png")).unwrap().starts_with(b"\x89PNG"));
     }
 }
 
