@@ -13,6 +13,7 @@ mod pose;
 mod queries;
 mod simplify;
 mod unusual;
+mod weights;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
