@@ -12,6 +12,7 @@
 //! freeform modeling*.
 
 mod boundary;
+mod bounded;
 mod contraction;
 mod controlled;
 mod coupled;
