@@ -131,7 +131,7 @@ impl<'a> Controlled<'a> {
             let (a, b) = (a.index(), b.index());
             keys[a].total_cmp(&keys[b]).then(side[a].cmp(&side[b])).then(a.cmp(&b))
         });
-        VertexOrder::of_sequence(sequence).unwrap_or_else(|_| unreachable!("every node stands in the sequence once"))
+        VertexOrder::of_sequence(sequence).expect("every node stands in the sequence once")
     }
 
     fn along(&self, order: VertexOrder, passes: usize, replaced: bool) -> Result<Directions, Contradiction> {

@@ -13,7 +13,7 @@
 use crate::field::VertexId;
 use crate::linalg::CsrMatrix;
 use crate::monotone::{Strictness, repair};
-use crate::qp::{Constraints, Engine, Objective, Problem, Settings, Term};
+use crate::qp::{Constraints, Engine, KktForm, Objective, Problem, Settings, Term};
 
 use super::contraction::Contraction;
 use super::controlled::{Controlled, Directions};
@@ -63,7 +63,8 @@ pub(super) fn coupled(
 
     let objective = coupled_objective(interpolator.smooth(), free)?;
     let points: Vec<[f64; 3]> = interpolator.complex().points().iter().flat_map(|&point| std::iter::repeat_n(point, free)).collect();
-    let mut engine = Engine::new(&objective, None, Some(&points))?;
+    let form = if interpolator.is_mixed() { KktForm::Mixed } else { KktForm::Automatic };
+    let mut engine = Engine::in_form(&objective, None, Some(&points), form)?;
 
     let controlled: Vec<Controlled<'_>> =
         contractions.iter().map(|contraction| Controlled::new(contraction, interpolator.smooth(), options)).collect();

@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use crate::field::VertexId;
-use crate::linalg::CsrMatrix;
 use crate::mesh::SimplicialComplex;
 use crate::monotone::{EnergyWeights, Operators, energy_parts};
 use crate::morse::WantedExtrema;
 use crate::operators::positive_laplacian;
-use crate::qp::{Constraints, Engine, KktForm, Minimum, Objective, Problem, QpStatus, Settings, Term};
+use crate::qp::{Engine, KktForm, Minimum, Objective, QpStatus, Term};
 
-use super::boundary::{fixed_values, range};
+use super::bounded::{Bounded, Box01, Ending};
+use super::boundary::fixed_values;
 use super::contraction::Contraction;
 use super::controlled::{Controlled, Directions, Frame, Strict};
 use super::lanes::in_lanes;
@@ -21,8 +21,6 @@ use super::InterpolateError;
 const RESIDUAL: f64 = 1e-8;
 /// A row counts as active if the solution is this much closer to it than the range of the values.
 const ACTIVE: f64 = 1e-7;
-/// A value this near to a bound, as part of the distance of the bounds, lies on it.
-const ON_BOUND: f64 = 1e-6;
 
 /// Whether monotone functions keep their frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -363,45 +361,28 @@ impl<'a> Interpolator<'a> {
         near: &[f64],
         options: &InterpolateOptions,
     ) -> Result<Interpolated, InterpolateError> {
-        let (low, high) = options.bounds.unwrap_or_else(|| range(fixed));
-        if let Some((vertex, value)) = fixed.iter().enumerate().find_map(|(vertex, value)| {
-            value.filter(|&value| value < low || value > high).map(|value| (vertex.into(), value))
-        }) {
-            return Err(InterpolateError::OutsideBounds { vertex, value, low, high });
+        let problem = Box01::new(&self.smooth, self.order, fixed, options)?;
+        let Bounded { mut values, rows, active, iterations, ending } = problem.solve(engine, near)?;
+        for (value, fixed) in values.iter_mut().zip(fixed) {
+            *value = fixed.unwrap_or(*value);
         }
-        let unit = if high > low { high - low } else { 1.0 };
-        let inside = |value: f64| (value - low) / unit;
-        let (mut triplets, mut offset) = (Vec::new(), Vec::new());
-        for vertex in (0..fixed.len() as u32).filter(|&vertex| fixed[vertex as usize].is_none()) {
-            triplets.extend([(offset.len() as u32, vertex, 1.0), (offset.len() as u32 + 1, vertex, -1.0)]);
-            offset.extend([0.0, inside(high)]);
-        }
-        let matrix = CsrMatrix::from_triplets(offset.len(), fixed.len(), &triplets)?;
-        let problem = Problem {
-            objective: self.smooth.clone(),
-            fixed: fixed.iter().map(|value| value.map(inside)).collect(),
-            constraints: Constraints::nonnegative(matrix, offset),
-        };
-        let settings = Settings { relative_gap: options.relative_gap, ..Settings::default() };
-        let start: Vec<f64> = near.iter().map(|&value| inside(value)).collect();
-        let solution = engine.solve(&problem, Some(&start), &settings, &mut |_| {})?;
-        // An interior point ends a little off the bounds that hold it.
-        let snap = |x: f64| match x {
-            x if x < ON_BOUND => low,
-            x if x > 1.0 - ON_BOUND => high,
-            x => options.precision.round((low + unit * x).clamp(low, high)),
-        };
-        let values: Vec<f64> = solution.x.iter().zip(fixed).map(|(&x, value)| value.unwrap_or_else(|| snap(x))).collect();
-        let report = InterpolateReport {
+        let shared = InterpolateReport {
             energy: self.energy(&values),
-            residual: solution.kkt.stationarity,
-            gap: solution.kkt.duality_gap,
-            rows: solution.slack.len(),
-            active_rows: solution.slack.iter().filter(|&&slack| slack < ACTIVE).count(),
-            iterations: solution.iterations,
-            factorizations: solution.factorizations,
-            status: solution.status,
+            rows,
+            active_rows: active,
+            iterations,
+            factorizations: iterations,
             ..InterpolateReport::solved()
+        };
+        let report = match ending {
+            Ending::Settled(minimum) => InterpolateReport { residual: minimum.backward, ..shared },
+            Ending::Interior(solution) => InterpolateReport {
+                residual: solution.kkt.stationarity,
+                gap: solution.kkt.duality_gap,
+                factorizations: solution.factorizations,
+                status: solution.status,
+                ..shared
+            },
         };
         Ok(Interpolated { values, report })
     }

@@ -12,6 +12,7 @@
 //! freeform modeling*.
 
 mod boundary;
+mod bounded;
 mod by_hand;
 mod colours;
 mod contraction;

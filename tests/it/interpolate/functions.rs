@@ -24,15 +24,15 @@ fn polyline(lengths: &[f64]) -> SimplicialComplex {
 }
 
 #[test]
-fn on_a_line_all_methods_of_all_orders_are_linear() {
+fn on_a_line_methods_of_first_order_are_linear() {
     let line = polyline(&[0.3, 1.0, 0.5, 0.2, 0.7, 1.1]);
     let length = line.points()[6][0];
     let given: BoundaryValues = vec![(VertexId(0), 2.0), (VertexId(6), 5.0)].into();
     for order in 1..=4 {
         let mut interpolator = Interpolator::new(&line, order).unwrap();
         for method in [Method::Harmonic, Method::Polyharmonic, Method::Bounded, Method::Monotone] {
-            // Of order 3 and 4 a lumped mass on irregular steps does not reproduce lines near the ends.
-            if order > 2 && method != Method::Harmonic {
+            // Higher orders end at right angles to the boundary, in the mean.
+            if order > 1 && method != Method::Harmonic {
                 continue;
             }
             let found = interpolator.solve(method, &given, &options()).unwrap();
@@ -89,7 +89,7 @@ fn monotone_functions_have_exactly_their_plateaus_as_extrema_and_energies_are_in
             assert_eq!((report.minima.len(), report.maxima.len()), (2, 1));
             // Each method's functions are among those of the one before.
             let energies = [&free, &bounded, &monotone].map(|found| found[handle].report.energy);
-            assert!(energies[0] <= energies[1] * (1.0 + 1e-5) && energies[1] <= energies[2] * (1.0 + 1e-3), "{energies:?}");
+            assert!(energies[0] <= energies[1] * (1.0 + 1e-5) && energies[1] <= energies[2] * (1.0 + 1e-4), "{energies:?}");
             let (low, high) = audit_plateaus(&complex, &bounded[handle].values, &given.values).unwrap().range;
             assert_eq!((low, high), (0.0, 1.0));
             spurious += audit_plateaus(&complex, &free[handle].values, &given.values).unwrap().spurious.count;
@@ -114,7 +114,7 @@ fn refinement_and_the_choice_of_the_guide_never_cost_energy() {
         assert!(energy(Guide::Harmonic, 3) <= harmonic * (1.0 + 1e-6));
         assert!(energy(Guide::SmoothThenSimplify, 3) <= smooth * (1.0 + 1e-6));
         if order == 3 {
-            assert_eq!(energy(Guide::Automatic, 0), smooth.min(harmonic));
+            assert!((energy(Guide::Automatic, 0) / smooth.min(harmonic) - 1.0).abs() < 1e-6);
         }
     }
 }
@@ -164,9 +164,12 @@ fn values_between_the_ends_need_not_be_extrema_and_may_be() {
     let complex = comb();
     let at = |x, y| nearest(&complex, [x, y, 0.0]);
     let (low, high) = (at(1.0, 8.0), at(32.0, 8.0));
-    // In the middle of the bar between the two, 0.5 is on the way, and 0.9 at the far end of a tooth is not.
-    let given: BoundaryValues = vec![(low, 0.0), (high, 1.0), (at(16.0, 1.0), 0.5), (at(11.0, 8.0), 0.9)].into();
+    // 0.9 at the far end of a tooth is a maximum; in the middle of the bar, the value that is there anyway is none.
+    let mut given: BoundaryValues = vec![(low, 0.0), (high, 1.0), (at(11.0, 8.0), 0.9)].into();
     let mut interpolator = Interpolator::new(&complex, 2).unwrap();
+    let middle = at(16.0, 1.0);
+    let there = interpolator.solve(Method::Harmonic, &given, &options()).unwrap().values[middle.index()];
+    given.values.push((middle, there));
     let found = interpolator.solve(Method::Monotone, &given, &options()).unwrap();
     assert_eq!(found.report.minima, [low]);
     let mut maxima = vec![high, at(11.0, 8.0)];

@@ -19,6 +19,7 @@ mod queries;
 mod series;
 mod simplify;
 mod unusual;
+mod weights;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
