@@ -34,6 +34,11 @@ pub enum Command {
     /// predicates; 1 if it has, or if handles contradict each other (then nothing is written without --keep-best or --keep-unaudited);
     /// 2 for a wrong command line or input. A solver that stops before the asked gap gives a line 'warning:'.
     Deform(Box<crate::deform::DeformArgs>),
+    /// Write the distance of every vertex from one or more sources along the mesh, and a smooth version with the same maxima.
+    ///
+    /// Exit codes: 0 if the arrays written were read back, and the smooth one has exactly the wanted extrema; 1 if it has not; 2 for a
+    /// wrong command line or input.
+    Geodesic(Box<crate::geodesic::GeodesicArgs>),
     /// Show what a file holds: data set, arrays, domain, what is wrong with it.
     Info(InfoArgs),
     /// Count the extrema of a field, list their persistence, and show what thresholds would leave.

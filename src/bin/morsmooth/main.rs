@@ -13,6 +13,9 @@ mod diffuse;
 mod diffuse_colours;
 mod extrema;
 mod failure;
+mod geodesic;
+mod geodesic_report;
+mod geodesic_sources;
 mod info;
 mod input;
 mod interpolate;
@@ -77,6 +80,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
     let threads = match command {
         Command::Animate(args) => args.talk.threads,
         Command::Deform(args) => args.talk.threads,
+        Command::Geodesic(args) => args.talk.threads,
         Command::Info(args) => args.talk.threads,
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
@@ -103,6 +107,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
     match command {
         Command::Animate(args) => animate::run(args),
         Command::Deform(args) => deform::run(args),
+        Command::Geodesic(args) => geodesic::run(args),
         Command::Info(args) => info::run(args),
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),

@@ -10,7 +10,7 @@ use morsmooth::plot::{
     CurveChart, DiagramPoint, FieldView, PictureOptions, PlotError, ShapeView, before_after, complex_picture, field_picture, persistence_curve,
     persistence_diagram, shape_picture, write_atomically,
 };
-use morsmooth::smooth::{MeasuredField, SelectOn};
+use morsmooth::smooth::{MeasuredField, SelectOn, Smoothed};
 
 use crate::complex_report::ComplexJob;
 use crate::failure::Failure;
@@ -20,6 +20,20 @@ use crate::report::{SmoothJob, persistences};
 /// Before and after, persistence curve and diagram of a smoothing run.
 pub fn smooth(directory: &Path, job: &SmoothJob<'_>) -> Result<(), Failure> {
     let (input, result) = (job.input, job.result);
+    let report = &result.report;
+    before_and_after(directory, input, result)?;
+    let kept = |vertex: VertexId| {
+        result.wanted.minima.binary_search(&vertex).is_ok() || result.wanted.maxima.binary_search(&vertex).is_ok()
+    };
+    let label = match report.select_on {
+        SelectOn::Data => input.name.clone(),
+        SelectOn::Smooth => format!("{}, smooth field", input.name),
+    };
+    charts(directory, &result.selected_on, report.threshold, &label, kept)
+}
+
+/// A field before and after smoothing, side by side.
+pub fn before_and_after(directory: &Path, input: &FieldInput, result: &Smoothed) -> Result<(), Failure> {
     let complex = &input.domain.complex;
     prepare(directory)?;
     let before = extrema_of(complex, &input.values).map_err(|error| Failure::file(&input.path, error))?;
@@ -32,15 +46,21 @@ pub fn smooth(directory: &Path, job: &SmoothJob<'_>) -> Result<(), Failure> {
     let target = directory.join("before_after.png");
     before_after(complex, &left, &right, &options)
         .and_then(|picture| picture.write_png(&target))
-        .map_err(|error| plot_failure(&target, &error))?;
-    let kept = |vertex: VertexId| {
-        result.wanted.minima.binary_search(&vertex).is_ok() || result.wanted.maxima.binary_search(&vertex).is_ok()
-    };
-    let label = match report.select_on {
-        SelectOn::Data => input.name.clone(),
-        SelectOn::Smooth => format!("{}, smooth field", input.name),
-    };
-    charts(directory, &result.selected_on, report.threshold, &label, kept)
+        .map_err(|error| plot_failure(&target, &error))
+}
+
+/// Isolines of a distance.
+pub fn distance(directory: &Path, input: &FieldInput) -> Result<(), Failure> {
+    prepare(directory)?;
+    let complex = &input.domain.complex;
+    let found = extrema_of(complex, &input.values).map_err(|error| Failure::file(&input.path, error))?;
+    let title = format!("{} minima, {} maxima", found.minima.len(), found.maxima.len());
+    let view = FieldView { title: &title, values: &input.values, minima: &found.minima, maxima: &found.maxima };
+    let options = PictureOptions { label: input.name.clone(), ..PictureOptions::default() };
+    let target = directory.join("distance.png");
+    field_picture(complex, &view, &options)
+        .and_then(|picture| picture.write_png(&target))
+        .map_err(|error| plot_failure(&target, &error))
 }
 
 /// The field, its persistence curve and diagram.
