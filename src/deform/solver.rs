@@ -51,7 +51,7 @@ pub struct DeformSolver {
     pub(super) complex: SimplicialComplex,
     pub(super) held: HeldVertices,
     pub(super) deformer: Deformer,
-    engine: Engine,
+    pub(super) engine: Engine,
     /// Near the end of the last solve. Its displacements are counted from targets and rest positions: held vertices move along.
     last: Option<Iterate>,
 }
@@ -186,15 +186,17 @@ impl DeformSolver {
             let warm = SolveOptions { begin: Begin::Cold, ..*options };
             solved = self.solve_once(&rotations, targets, &warm, (&mut effort, preview))?;
         }
-        if let QpStatus::Infeasible(certificate) = &solved.solution.status {
-            let is_hard = self.deformer.options().hold == Hold::Hard;
-            let blame = Blame::new(certificate, self.deformer.rest(), &self.held, is_hard);
-            if options.on_contradiction == OnContradiction::KeepBest {
-                return self.closest((&rotations, targets), blame, solved, options, (effort, preview));
+        let is_hard = self.deformer.options().hold == Hold::Hard;
+        let status = match &solved.solution.status {
+            QpStatus::Solved => DeformStatus::Certified,
+            QpStatus::Infeasible(found) => {
+                DeformStatus::Contradiction(Blame::new(found, self.deformer.rest(), &self.held, is_hard))
             }
-            return self.report(DeformStatus::Contradiction(blame), (rotations, targets), solved, options, effort);
+            QpStatus::IterationLimit | QpStatus::Stalled => DeformStatus::Uncertified,
+        };
+        if options.on_contradiction == OnContradiction::KeepBest && !self.is_usable(&solved)? {
+            return self.closest((&rotations, targets), status, solved, options, (effort, preview));
         }
-        let status = if solved.solution.status == QpStatus::Solved { DeformStatus::Certified } else { DeformStatus::Uncertified };
         self.report(status, (rotations, targets), solved, options, effort)
     }
 
@@ -271,6 +273,16 @@ impl DeformSolver {
             let square: f64 = (0..dimension).map(|axis| (achieved[axis] - asked[axis]).powi(2)).sum();
             HandlePlace { vertex, asked, achieved, distance: square.sqrt() }
         });
+        let suspects = match &status {
+            DeformStatus::Certified => None,
+            DeformStatus::Contradiction(blame) => Some(blame.clone()),
+            DeformStatus::Uncertified | DeformStatus::Inverted => {
+                let margins = self.deformer.margins(targets);
+                let smallest = rest.smallest_eigenvalues(&rotations, &positions)?;
+                let short = smallest.iter().zip(&margins).map(|(least, margin)| margin - least).enumerate();
+                Some(Blame::of_elements(short.filter(|&(_, short)| short > 0.0).collect(), rest, &self.held))
+            }
+        };
         let elements = ElementReport {
             determinants: rest.determinants(&positions)?,
             smallest_eigenvalues: rest.smallest_eigenvalues(&rotations, &positions)?,
@@ -282,6 +294,8 @@ impl DeformSolver {
             energy: self.deformer.energy(&rotations, targets, &positions)?,
             certificate: solution.kkt,
             status,
+            suspects,
+            factor: self.engine.precision(),
             substitute: None,
             elements,
             audit,

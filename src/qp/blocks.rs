@@ -236,9 +236,12 @@ impl<const D: usize, const R: usize> Blocks<D, R> {
             let mut out = out.iter_mut();
             for block in blocks {
                 let columns = &self.coefficients[self.columns_of(block)];
+                let metric = scaled[block].metric_rows::<R>();
                 for (last, first) in columns.iter().enumerate() {
                     let mut force = [0.0; R];
-                    scaled[block].metric_times(first, &mut force);
+                    for (coefficient, row) in first.iter().zip(&metric) {
+                        force.iter_mut().zip(row).for_each(|(slot, part)| *slot += coefficient * part);
+                    }
                     for (second, slot) in columns[..=last].iter().zip(&mut out) {
                         *slot = second.iter().zip(&force).map(|(a, b)| a * b).sum();
                     }

@@ -59,7 +59,7 @@ impl Engine {
     /// * `objective`: n unknowns; only the patterns of its terms matter here.
     /// * `rows`: `m x n` rows whose unknowns the pattern must couple, unless P couples them already (rows between mesh
     ///   neighbours always lie inside the pattern of a chain). For blocks: [`Constraints::coupling`](super::Constraints::coupling).
-    /// * `coordinates`: a place for each unknown, any unit; turns on nested dissection from 20,000 unknowns on.
+    /// * `coordinates`: a place for each unknown, any unit; turns on nested dissection from 3,000 unknowns (or vertices) on.
     ///
     /// # Errors
     /// [`QpError`] for wrong shapes and non-finite numbers; [`QpError::Factor`] from the analysis.

@@ -21,6 +21,7 @@ use clock::processor_seconds;
 use morsmooth::deform::{Begin, DeformOptions, DeformSolver, FactorChoice, HeldVertices, Hold, OnContradiction, SolveMethod, SolveOptions};
 use morsmooth::qp::{Penalty, Settings};
 use scenes::{Load, Scene};
+use second_order::Unknowns;
 use std::time::Instant;
 
 fn main() {
@@ -120,7 +121,9 @@ fn run(name: &str, scene: &Scene, arguments: &[String]) {
     }
     let peer = if is_asked("clarabel") {
         let problem = solver.problem(&scene.rotations, &scene.targets).unwrap();
-        second_order::clarabel(&problem, deformed.energy.total())
+        let reference = solver.deformer().reference(&scene.targets).unwrap();
+        let peer = |unknowns| second_order::clarabel(&problem, &reference, unknowns, deformed.energy.total());
+        serde_json::json!({ "displacements": peer(Unknowns::Displacements), "positions": peer(Unknowns::Positions) })
     } else {
         serde_json::Value::Null
     };

@@ -1,6 +1,7 @@
 //! The assembled problem against energies and eigenvalues computed apart from it, and refusals.
 
 mod assembly;
+mod driver;
 mod refusals;
 mod scene;
 mod solve;
