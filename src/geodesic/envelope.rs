@@ -18,23 +18,49 @@ pub(super) struct Entry {
 /// The windows of one side, by rising place, without overlap.
 pub(super) type Envelope = Vec<Entry>;
 
-/// Takes a window into an envelope as far as it is nearer than what is there.
+/// Takes windows into an envelope as far as they are nearer than what is there.
 ///
 /// # Arguments
+/// * `windows`: in any order; fastest by rising place. They may overlap: rays from different points cross in a triangle.
+/// * `length`: of the side.
 /// * `scratch`: work memory, any contents.
-///
-/// # Returns
-/// Whether any part of it was taken.
-pub(super) fn insert(envelope: &mut Envelope, window: &Window, length: f64, scratch: &mut Envelope) -> bool {
+pub(super) fn insert_all(envelope: &mut Envelope, windows: &[Window], length: f64, scratch: &mut Envelope) {
+    let sliver = SLIVER * length;
+    let mut rest = windows;
+    while let Some(window) = rest.first() {
+        let is_last = envelope.last().is_none_or(|entry| entry.window.end <= window.begin + sliver);
+        let place = if is_last { envelope.len() } else { envelope.partition_point(|entry| entry.window.end <= window.begin + sliver) };
+        // As many as fit in before the next window that is there.
+        let limit = envelope.get(place).map_or(f64::INFINITY, |entry| entry.window.begin) + sliver;
+        let mut at = f64::NEG_INFINITY;
+        let mut fits = |window: &Window| std::mem::replace(&mut at, window.end) <= window.begin + sliver && window.end <= limit;
+        let count = rest.iter().copied().position(|window| !fits(&window)).unwrap_or(rest.len());
+        let fresh = rest[..count].iter().filter(|window| window.end - window.begin > sliver);
+        let fresh = fresh.map(|&window| Entry { window, is_pending: true });
+        if place == envelope.len() {
+            envelope.extend(fresh);
+        } else {
+            envelope.splice(place..place, fresh);
+        }
+        rest = &rest[count..];
+        if count == 0 {
+            insert(envelope, window, length, scratch);
+            rest = &rest[1..];
+        }
+    }
+}
+
+/// Takes one window into an envelope as far as it is nearer than what is there.
+fn insert(envelope: &mut Envelope, window: &Window, length: f64, scratch: &mut Envelope) {
     let sliver = SLIVER * length;
     if window.end - window.begin <= sliver {
-        return false;
+        return;
     }
     let first = envelope.partition_point(|entry| entry.window.end <= window.begin + sliver);
     let last = first + envelope[first..].partition_point(|entry| entry.window.begin < window.end - sliver);
     if first == last {
         envelope.insert(first, Entry { window: *window, is_pending: true });
-        return true;
+        return;
     }
     scratch.clear();
     let mut is_taken = false;
@@ -80,7 +106,6 @@ pub(super) fn insert(envelope: &mut Envelope, window: &Window, length: f64, scra
     if is_taken {
         envelope.splice(first..last, scratch.iter().copied());
     }
-    is_taken
 }
 
 /// Appends a part of a window, joined to the last one if that is the same window.

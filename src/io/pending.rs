@@ -41,6 +41,11 @@ impl PendingFile {
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);
         hidden.push(format!(".{}-{}.part", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
+        // Mesh formats are told by their extension, and what was written is read back under this name.
+        if let Some(extension) = real.extension() {
+            hidden.push(".");
+            hidden.push(extension);
+        }
         let temporary = real.with_file_name(hidden);
         let file = OpenOptions::new().write(true).create_new(true).open(&temporary).map_err(failed)?;
         let pending = Self { temporary, target: real, committed: false };

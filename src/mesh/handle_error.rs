@@ -67,6 +67,14 @@ pub enum HandleError {
         /// Number of vertices.
         vertices: usize,
     },
+    /// A region names a point that is not in the domain.
+    #[error("region \"{name}\" names point {point}, which is not in the domain; expected points of cells that are not masked")]
+    NotInDomain {
+        /// The handle.
+        name: String,
+        /// The point named.
+        point: VertexId,
+    },
     /// Two handles need the same vertex.
     #[error("handles \"{first}\" and \"{second}\" are both at vertex {vertex} at {place:?}; expected a vertex each: move one of them or refine the mesh")]
     Shared {

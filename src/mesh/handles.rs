@@ -89,6 +89,27 @@ impl HandleSet {
         attach::attach(self, complex, options)
     }
 
+    /// The same handles with the numbers of their regions translated, as from the points of a file to the vertices of its domain.
+    ///
+    /// # Arguments
+    /// * `vertex_of`: for every old number the new one, `None` where there is none.
+    ///
+    /// # Errors
+    /// [`HandleError::VertexOutOfRange`], [`HandleError::NotInDomain`].
+    pub fn renumbered(&self, vertex_of: &[Option<VertexId>]) -> Result<Self, HandleError> {
+        let mut set = self.clone();
+        for Handle { name, shape } in &mut set.handles {
+            let HandleShape::Region(vertices) = shape else { continue };
+            for vertex in vertices {
+                let found = *vertex;
+                let new = vertex_of.get(found.index());
+                let new = new.ok_or_else(|| HandleError::VertexOutOfRange { name: name.clone(), vertex: found, vertices: vertex_of.len() })?;
+                *vertex = new.ok_or_else(|| HandleError::NotInDomain { name: name.clone(), point: found })?;
+            }
+        }
+        Ok(set)
+    }
+
     /// The place about which a handle turns unless its pose says otherwise: the point, the root of the bone, the middle of the region.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use morsmooth::mesh::{OutlineOptions, Size};
 
 /// Smooth scalar fields with exactly the wanted minima and maxima.
 #[derive(Debug, Parser)]
@@ -16,6 +17,23 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Deform a mesh through poses between key poses; write a ParaView collection with a file a frame.
+    ///
+    /// Frames are independent and run in parallel; each has the same bits for any number of threads. Rotations in the plane are
+    /// blended by angle, so that turns count; quaternions along the shorter arc.
+    ///
+    /// Exit codes: as for 'deform', for all frames together; nothing is written unless every frame is.
+    Animate(Box<crate::animate::AnimateArgs>),
+    /// Deform a planar or solid mesh, an outline or a photograph by handles, so that no element turns inside out.
+    ///
+    /// Rotations of the handles are blended by weights; the shape of least energy that follows them without an inverted element is the
+    /// optimum of a convex problem, and comes with a certificate. The file gets the cell arrays det_F, smallest_eigenvalue,
+    /// energy_density and active_constraint.
+    ///
+    /// Exit codes: 0 if the file written was read back and has no inverted element, as written and rounded to 32 bits, by exact
+    /// predicates; 1 if it has, or if handles contradict each other (then nothing is written without --keep-best or --keep-unaudited);
+    /// 2 for a wrong command line or input. A solver that stops before the asked gap gives a line 'warning:'.
+    Deform(Box<crate::deform::DeformArgs>),
     /// Show what a file holds: data set, arrays, domain, what is wrong with it.
     Info(InfoArgs),
     /// Count the extrema of a field, list their persistence, and show what thresholds would leave.
@@ -40,6 +58,10 @@ pub enum Command {
     /// not by an amount: a plateau from a to b says that the threshold may be off by the factor b/a without any effect. The
     /// widest differences are listed as well; they favour the few largest extrema, which are far apart in any field.
     Persistence(Box<crate::persistence::PersistenceArgs>),
+    /// Smooth the columns of a table along one of them, numbers or dates, with exactly the wanted minima and maxima.
+    ///
+    /// Steps may be irregular and values missing. Exit codes as those of 'smooth'.
+    Series(Box<crate::series::SeriesArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
     /// Write the Morse–Smale complex: critical points, separatrices, segmentation, in the layout of TTK.
@@ -47,6 +69,11 @@ pub enum Command {
     /// Three files in the output directory, named after the input: ...CriticalPoints.vtp, ...1Separatrices.vtp, and
     /// ...Segmentation with the input and three more arrays. Without a threshold the complex is not simplified.
     Complex(crate::complex::ComplexArgs),
+    /// Move a shape by its weights and a pose: linear blend or dual-quaternion skinning.
+    ///
+    /// Skinning is direct and promises nothing: elements that it turns inside out are counted on the file as written and
+    /// said. 'morsmooth deform' promises none.
+    Pose(crate::pose::PoseArgs),
     /// Write a data set in another format, with a warning for everything that the format cannot hold.
     Convert(ConvertArgs),
 }
@@ -127,6 +154,34 @@ pub struct TalkArgs {
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// How an outline (.csv) is filled with triangles; without effect on meshes.
+#[derive(Debug, Clone, Args)]
+pub struct OutlineArgs {
+    /// Longest edge of the triangles that fill an outline (.csv), as a part of the diagonal of its bounding box.
+    #[arg(long, value_name = "FRACTION", default_value = "2%", value_parser = fraction, allow_hyphen_values = true)]
+    pub max_edge: f64,
+
+    /// Largest area of the triangles that fill an outline, in its squared units.
+    #[arg(long, value_name = "AREA", allow_negative_numbers = true)]
+    pub max_area: Option<f64>,
+
+    /// Smallest angle of the triangles that fill an outline, 0 to 33 degrees; sharper corners of the outline itself stay.
+    #[arg(long, value_name = "DEGREES", default_value_t = 25.0, allow_negative_numbers = true)]
+    pub min_angle: f64,
+}
+
+impl OutlineArgs {
+    /// As the library takes them.
+    pub fn options(&self) -> OutlineOptions {
+        OutlineOptions {
+            max_edge: Size::Fraction(self.max_edge),
+            max_area: self.max_area,
+            min_angle: self.min_angle,
+            ..OutlineOptions::default()
+        }
+    }
 }
 
 /// `morsmooth info`.
@@ -387,7 +442,8 @@ pub fn fraction(text: &str) -> Result<f64, String> {
     Ok(value)
 }
 
-fn extremum_values(text: &str) -> Result<ValuesKind, String> {
+/// Reads `keep`, `free` or a part.
+pub fn extremum_values(text: &str) -> Result<ValuesKind, String> {
     match text {
         "keep" => Ok(ValuesKind::Keep),
         "free" => Ok(ValuesKind::Free),

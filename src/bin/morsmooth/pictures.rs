@@ -98,6 +98,25 @@ pub fn complex<T: Triangulation>(
         .map_err(|error| plot_failure(&target, &error))
 }
 
+/// A shape before and after it was moved, in two files, with one colour scale.
+///
+/// # Arguments
+/// * `after`: a place for every vertex; `values`: what is coloured.
+pub fn shapes(directory: &Path, rest: &SimplicialComplex, after: &[[f64; 3]], values: &[f64], label: &str) -> Result<(), Failure> {
+    prepare(directory)?;
+    let moved = SimplicialComplex::new(rest.dimension(), after.to_vec(), rest.simplices().to_vec())
+        .map_err(|error| Failure::file(directory, error))?;
+    let options = PictureOptions { label: label.to_owned(), ..PictureOptions::default() };
+    for (name, complex) in [("before", rest), ("after", &moved)] {
+        let target = directory.join(format!("{name}.png"));
+        let view = FieldView { title: name, values, minima: &[], maxima: &[] };
+        field_picture(complex, &view, &options)
+            .and_then(|picture| picture.write_png(&target))
+            .map_err(|error| plot_failure(&target, &error))?;
+    }
+    Ok(())
+}
+
 fn charts(
     directory: &Path,
     field: &MeasuredField,

@@ -2,6 +2,7 @@
 
 mod damage;
 mod domains;
+mod handles;
 mod meshes;
 mod parallel;
 mod encodings;

@@ -3,8 +3,10 @@
 mod complexes;
 mod faults;
 mod grids;
+mod handles;
 mod implicit;
 mod masks;
+mod outlines;
 mod polygons;
 mod real;
 mod refusals;

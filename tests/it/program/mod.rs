@@ -1,14 +1,17 @@
 //! Runs of the program: what it writes, what it says, what it refuses.
 
+mod animate;
 mod bad_fields;
 mod bad_files;
 mod bad_usage;
 mod command;
 mod complex;
+mod deform;
 mod fields;
 mod kinds;
 mod options;
 mod persistence;
+mod pose;
 mod queries;
 mod simplify;
 mod unusual;

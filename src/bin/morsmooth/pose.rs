@@ -1,0 +1,293 @@
+//! `morsmooth pose`: a shape moved by skinning with weights that are there.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use morsmooth::deform::skinning::{dual_quaternion, linear_blend};
+use morsmooth::io::{
+    ArrayData, DataArray, DataSet, GeometryKind, PendingFile, domain, is_same_file, losses, read, read_handles, read_mesh_or_outline,
+    read_pose, reshape, set_positions, write_temporary,
+};
+use morsmooth::mesh::{Domain, Handle, HandleSet, HandleShape, Mask, Pose};
+use serde_json::json;
+
+use crate::Outcome;
+use crate::args::{OutlineArgs, TalkArgs};
+use crate::failure::Failure;
+use crate::number::short;
+use crate::output::{check_directory, check_output};
+use crate::pose_audit::{Inversions, inversions};
+use crate::report::{command_line, write_report};
+use crate::talk::Talk;
+
+/// Name of the array that says how far each point moved.
+const DISPLACEMENT: &str = "displacement";
+/// Field data of a file of weights: the names of the handles, and the places about which they turn.
+const HANDLE_NAMES: &str = "handle_names";
+const HANDLE_PIVOTS: &str = "handle_pivots";
+/// Sums of weights this far from 1 are worth a word.
+const UNITY: f64 = 1e-6;
+
+/// `morsmooth pose`.
+#[derive(Debug, Args)]
+pub struct PoseArgs {
+    /// Mesh to move: .vtu .vtp .vts .vtk .obj .off .ply .stl .mesh .msh, or an outline .csv.
+    pub mesh: PathBuf,
+
+    /// File with the weights as 'morsmooth weights' writes them; may be the mesh file itself.
+    ///
+    /// One point array a handle, named after it; the field data array handle_names lists the names. Weights of a point are
+    /// divided by their sum.
+    pub weights: PathBuf,
+
+    /// Pose: .json, or .dmat with a quaternion a bone (needs --handles).
+    ///
+    /// {"handles": {"head": {"rotation_degrees": 90, "axis": [0, 0, 1], "translation": [1, 0, 0], "scale": 1, "pivot": [0, 0, 0]}}};
+    /// every entry may be left out, "quaternion": [w, x, y, z] may take the place of the first two, and handles that are not named stay.
+    pub pose: PathBuf,
+
+    /// File to write: the mesh file with its points moved and the array 'displacement'.
+    pub output: PathBuf,
+
+    /// How transforms are blended.
+    #[arg(long, value_enum, default_value_t = SkinningKind::Dqs)]
+    pub method: SkinningKind,
+
+    /// Handles (.json, .tgf): the pivots, and the bones that a .dmat pose needs.
+    ///
+    /// Without it, a handle turns about its place in the field data array handle_pivots, or else about the middle of the points where
+    /// its weight is greatest, unless the pose says otherwise.
+    #[arg(long, value_name = "FILE")]
+    pub handles: Option<PathBuf>,
+
+    /// What comes before the name of the handle in the names of the arrays.
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub prefix: String,
+
+    /// How an outline is filled.
+    #[command(flatten)]
+    pub outline: OutlineArgs,
+
+    /// Draw the shape before and after into this directory, coloured by the handle with the greatest weight.
+    #[arg(long, value_name = "DIR")]
+    pub plots: Option<PathBuf>,
+
+    /// What is said, and threads.
+    #[command(flatten)]
+    pub talk: TalkArgs,
+}
+
+/// Values of `--method`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SkinningKind {
+    /// Linear blend skinning: shrinks where rotations differ.
+    Lbs,
+    /// Dual-quaternion skinning: every point moves rigidly.
+    Dqs,
+}
+
+/// What a run works on.
+struct Scene {
+    dataset: DataSet,
+    domain: Domain,
+    handles: HandleSet,
+    /// `n x h`, on the vertices of the domain.
+    weights: Vec<f64>,
+    /// Largest distance of a sum of weights from 1.
+    off_unity: f64,
+}
+
+/// Runs the command.
+pub fn run(args: &PoseArgs) -> Result<Outcome, Failure> {
+    let begin = Instant::now();
+    let others: Vec<&Path> = [&args.weights, &args.pose].into_iter().chain(&args.handles).map(PathBuf::as_path).collect();
+    check_output(&args.mesh, &args.output, args.talk.report.as_deref(), &others)?;
+    if let Some(other) = others.iter().find(|other| is_same_file(other, &args.output)) {
+        return Err(Failure::file(&args.output, format!("the output would overwrite {}; expected another name", other.display())));
+    }
+    check_directory(args.plots.as_deref())?;
+    let talk = Talk::new(args.talk.quiet);
+    talk.stage("reading");
+    let scene = load(args)?;
+    let pose = read_pose(&args.pose, &scene.handles, &scene.domain.complex).map_err(|error| Failure::usage(error.to_string()))?;
+    if scene.off_unity > UNITY {
+        talk.line(&format!("note: weights sum to 1 within {}; they are divided by their sums", short(scene.off_unity)));
+    }
+    talk.stage("skinning");
+    let skin = match args.method {
+        SkinningKind::Lbs => linear_blend,
+        SkinningKind::Dqs => dual_quaternion,
+    };
+    let rest = scene.domain.complex.points();
+    let moved = skin(rest, &scene.weights, &pose).map_err(|error| Failure::file(&args.weights, error))?;
+    talk.stage("writing");
+    let (pending, lost) = write(args, &scene, &moved)?;
+    // What is in the file, in its own precision, is what is judged.
+    let written = read(pending.path()).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
+    let places = written.points_f64();
+    let found = match places.len() == scene.dataset.point_count() {
+        true => inversions(&scene.domain, &places),
+        false => Inversions::Unknown("the format keeps no numbers of points".to_owned()),
+    };
+    if let Some(directory) = &args.plots {
+        talk.stage("pictures");
+        pictures(directory, &scene, &moved)?;
+    }
+    let report = report(args, &scene, &pose, &found, begin.elapsed().as_secs_f64());
+    if let Some(path) = &args.talk.report {
+        write_report(path, &report)?;
+    }
+    pending.commit().map_err(|error| Failure::usage(error.to_string()))?;
+    talk.finish();
+    lost.iter().for_each(|what| talk.line(&format!("warning: {} has no room for {what}", args.output.display())));
+    if !args.talk.quiet {
+        print(args, &scene, &found, begin.elapsed().as_secs_f64());
+    }
+    Ok(Outcome::Done)
+}
+
+fn load(args: &PoseArgs) -> Result<Scene, Failure> {
+    let options = args.outline.options();
+    let dataset = read_mesh_or_outline(&args.mesh, &options).map_err(|error| Failure::usage(error.to_string()))?;
+    let domain = domain(&dataset, &Mask::none()).map_err(|error| Failure::file(&args.mesh, error))?;
+    let of_weights = if is_same_file(&args.mesh, &args.weights) {
+        None
+    } else {
+        Some(read_mesh_or_outline(&args.weights, &options).map_err(|error| Failure::usage(error.to_string()))?)
+    };
+    let source = of_weights.as_ref().unwrap_or(&dataset);
+    if source.point_count() != dataset.point_count() {
+        let text = format!("found weights for {} points; {} has {}", source.point_count(), args.mesh.display(), dataset.point_count());
+        return Err(Failure::file(&args.weights, text));
+    }
+    let given = args.handles.as_ref().map(|path| {
+        let set = read_handles(path).map_err(|error| Failure::usage(error.to_string()))?;
+        set.renumbered(domain.vertex_of_point()).map_err(|error| Failure::file(path, error))
+    });
+    let given = given.transpose()?;
+    let names = match &given {
+        Some(set) => set.names(),
+        None => handle_names(source).ok_or_else(|| {
+            Failure::file(&args.weights, format!("found no field data array '{HANDLE_NAMES}'; expected the names of the handles"))
+                .hint("'morsmooth weights' writes it; or give the handles with --handles")
+        })?,
+    };
+    let columns = names.iter().map(|name| column(args, source, &domain, name)).collect::<Result<Vec<_>, Failure>>()?;
+    let vertices = domain.complex.vertex_count();
+    let mut weights = Vec::with_capacity(vertices * names.len());
+    (0..vertices).for_each(|vertex| weights.extend(columns.iter().map(|column| column[vertex])));
+    let off_unity = weights.chunks_exact(names.len().max(1)).map(|row| (row.iter().sum::<f64>() - 1.0).abs()).fold(0.0, f64::max);
+    let handles = given.unwrap_or_else(|| placed(source, &domain, names, &columns));
+    Ok(Scene { dataset, domain, handles, weights, off_unity })
+}
+
+fn handle_names(dataset: &DataSet) -> Option<Vec<String>> {
+    let array = dataset.field_data.iter().find(|array| array.name == HANDLE_NAMES)?;
+    matches!(array.data, ArrayData::String(_)).then(|| array.to_texts()).filter(|names| !names.is_empty())
+}
+
+/// The weights of one handle on the vertices.
+fn column(args: &PoseArgs, source: &DataSet, domain: &Domain, name: &str) -> Result<Vec<f64>, Failure> {
+    let name = format!("{}{name}", args.prefix);
+    let Some(array) = source.point_array(&name) else {
+        let known: Vec<&str> = source.point_data.arrays.iter().map(|array| array.name.as_str()).collect();
+        return Err(Failure::file(&args.weights, format!("found no point array '{name}'; expected the weights of a handle"))
+            .hint(format!("point arrays: {}", if known.is_empty() { "none".to_owned() } else { known.join(", ") })));
+    };
+    if array.components != 1 || matches!(array.data, ArrayData::String(_)) {
+        return Err(Failure::file(&args.weights, format!("array '{name}' has {} components; expected one number a point", array.components)));
+    }
+    let values = domain.restrict(&array.to_f64(0));
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(vertex) => {
+            let point = domain.point_of_vertex()[vertex];
+            Err(Failure::file(&args.weights, format!("array '{name}' is {} at point {point}; expected a finite number", values[vertex])))
+        }
+        None => Ok(values),
+    }
+}
+
+/// Handles as points at their pivots.
+fn placed(source: &DataSet, domain: &Domain, names: Vec<String>, columns: &[Vec<f64>]) -> HandleSet {
+    let pivots = source.field_data.iter().find(|array| array.name == HANDLE_PIVOTS && array.components == 3 && array.tuples() == names.len());
+    let place = |handle: usize| match pivots {
+        Some(array) => [0, 1, 2].map(|axis| array.to_f64(axis)[handle]),
+        None => middle_of_greatest(domain, &columns[handle]),
+    };
+    let handles = names.into_iter().enumerate().map(|(handle, name)| Handle { name, shape: HandleShape::Point(place(handle)) });
+    HandleSet { handles: handles.collect(), cage_edges: Vec::new() }
+}
+
+fn middle_of_greatest(domain: &Domain, weights: &[f64]) -> [f64; 3] {
+    let greatest = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let held: Vec<[f64; 3]> =
+        weights.iter().zip(domain.complex.points()).filter(|(weight, _)| **weight == greatest).map(|(_, &point)| point).collect();
+    std::array::from_fn(|axis| held.iter().map(|point| point[axis]).sum::<f64>() / held.len().max(1) as f64)
+}
+
+/// The moved mesh beside its place, and what its format has no room for.
+fn write(args: &PoseArgs, scene: &Scene, moved: &[[f64; 3]]) -> Result<(PendingFile, Vec<String>), Failure> {
+    let mut dataset = scene.dataset.clone();
+    // Points of no cell stay.
+    let mut places = dataset.points_f64();
+    let rest = places.clone();
+    for (vertex, &place) in moved.iter().enumerate() {
+        places[scene.domain.point_of_vertex()[vertex] as usize] = place;
+    }
+    let steps = places.iter().zip(&rest).flat_map(|(place, rest)| (0..3).map(move |axis| place[axis] - rest[axis]));
+    let displacement = DataArray::new(DISPLACEMENT, 3, ArrayData::F64(steps.collect()));
+    set_positions(&mut dataset, &places).map_err(|text| Failure::file(&args.mesh, text))?;
+    dataset.set_point_array(displacement);
+    let extension = args.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let dataset = match GeometryKind::of_extension(extension) {
+        Some(kind) => reshape(dataset, kind).map_err(|error| Failure::file(&args.output, error))?,
+        None => dataset,
+    };
+    let lost = losses(&args.output, &dataset).map_err(|error| Failure::usage(error.to_string()))?;
+    let pending = write_temporary(&args.output, &dataset).map_err(|error| Failure::usage(error.to_string()))?;
+    Ok((pending, lost))
+}
+
+fn pictures(directory: &Path, scene: &Scene, moved: &[[f64; 3]]) -> Result<(), Failure> {
+    let count = scene.handles.len();
+    let strongest = |row: &[f64]| (1..row.len()).fold(0, |best, handle| if row[handle] > row[best] { handle } else { best });
+    let values: Vec<f64> = scene.weights.chunks_exact(count).map(|row| strongest(row) as f64).collect();
+    crate::pictures::shapes(directory, &scene.domain.complex, moved, &values, "number of the handle with the greatest weight")
+}
+
+fn report(args: &PoseArgs, scene: &Scene, pose: &Pose, found: &Inversions, seconds: f64) -> serde_json::Value {
+    let handles: Vec<_> = scene
+        .handles
+        .names()
+        .into_iter()
+        .zip(&pose.transforms)
+        .map(|(name, transform)| {
+            json!({
+                "name": name, "quaternion": transform.rotation.quaternion(), "angle_degrees": transform.rotation.planar_angle().map(f64::to_degrees),
+                "translation": transform.translation, "scale": transform.scale, "pivot": transform.pivot,
+            })
+        })
+        .collect();
+    json!({
+        "program": "morsmooth", "version": env!("CARGO_PKG_VERSION"), "command": command_line(),
+        "mesh": args.mesh, "weights": args.weights, "pose": args.pose, "output": args.output,
+        "method": args.method.to_possible_value().map(|value| value.get_name().to_owned()),
+        "points": scene.dataset.point_count(), "vertices": scene.domain.complex.vertex_count(), "elements": scene.domain.complex.simplex_count(),
+        "handles": handles, "weights_off_unity": scene.off_unity, "inversions": found.to_json(), "seconds": seconds,
+    })
+}
+
+/// On standard output; a closed pipe is not an error.
+fn print(args: &PoseArgs, scene: &Scene, found: &Inversions, seconds: f64) {
+    let mut out = std::io::stdout().lock();
+    let mut say = |what: &str, text: String| {
+        let _ = writeln!(out, "{what:<15} {text}");
+    };
+    let complex = &scene.domain.complex;
+    say("mesh", format!("{} vertices, {} elements, {} handles", complex.vertex_count(), complex.simplex_count(), scene.handles.len()));
+    say("inverted", found.to_string());
+    say("time", format!("{seconds:.2} s"));
+    say("output", format!("{}, array {DISPLACEMENT}", args.output.display()));
+}

@@ -1,0 +1,86 @@
+//! How many elements a pose turned inside out, counted on the positions of the file.
+
+use morsmooth::deform::RestShape;
+use morsmooth::mesh::Domain;
+use serde_json::{Value, json};
+
+use crate::number::short;
+
+/// Inverted elements told by number, at most.
+const NAMED: usize = 20;
+/// Heights this far apart, as a part of the extent, are no plane any more.
+const FLAT: f64 = 1e-12;
+
+/// What was counted.
+pub enum Inversions {
+    /// Elements with det F <= 0.
+    Counted {
+        /// Cells of the file that have one, rising.
+        cells: Vec<u32>,
+        /// How many elements.
+        count: usize,
+        /// Elements in all.
+        elements: usize,
+        /// The smallest det F.
+        smallest: f64,
+    },
+    /// They could not be counted; why.
+    Unknown(String),
+}
+
+/// Counts the inverted elements of a domain.
+///
+/// # Arguments
+/// * `places`: a place for every point of the file.
+pub fn inversions(domain: &Domain, places: &[[f64; 3]]) -> Inversions {
+    let rest = match RestShape::new(&domain.complex) {
+        Ok(rest) => rest,
+        Err(error) => return Inversions::Unknown(error.to_string()),
+    };
+    let moved: Vec<[f64; 3]> = domain.point_of_vertex().iter().map(|&point| places[point as usize]).collect();
+    let dimension = rest.dimension();
+    if dimension == 2 {
+        let height = moved.iter().map(|place| (place[2] - moved[0][2]).abs()).fold(0.0, f64::max);
+        if height > FLAT * domain.complex.bounding_box_diagonal() {
+            return Inversions::Unknown(format!("the pose leaves the plane, by up to {}", short(height)));
+        }
+    }
+    let positions: Vec<f64> = moved.iter().flat_map(|place| place[..dimension].iter().copied()).collect();
+    match rest.determinants(&positions) {
+        Ok(determinants) => {
+            let inverted: Vec<usize> = (0..determinants.len()).filter(|&element| determinants[element] <= 0.0).collect();
+            let mut cells: Vec<u32> = inverted.iter().map(|&element| domain.cell_of_simplex()[element]).collect();
+            cells.sort_unstable();
+            cells.dedup();
+            let smallest = determinants.iter().copied().fold(f64::INFINITY, f64::min);
+            Inversions::Counted { cells, count: inverted.len(), elements: determinants.len(), smallest }
+        }
+        Err(error) => Inversions::Unknown(error.to_string()),
+    }
+}
+
+impl Inversions {
+    /// For a report.
+    pub fn to_json(&self) -> Value {
+        match self {
+            Self::Counted { cells, count, elements, smallest } => {
+                json!({ "count": count, "elements": elements, "cells_first": cells[..cells.len().min(NAMED)], "smallest_determinant": smallest })
+            }
+            Self::Unknown(reason) => json!({ "count": null, "reason": reason }),
+        }
+    }
+}
+
+impl std::fmt::Display for Inversions {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Counted { count: 0, elements, smallest, .. } => write!(f, "none of {elements} elements; smallest det F {}", short(*smallest)),
+            Self::Counted { cells, count, elements, smallest } => {
+                let named: Vec<String> = cells.iter().take(NAMED / 4).map(u32::to_string).collect();
+                let more = if cells.len() > named.len() { ", ..." } else { "" };
+                write!(f, "{count} of {elements} elements (cells {}{more}); smallest det F {}", named.join(", "), short(*smallest))
+            }
+            Self::Unknown(reason) => write!(f, "not counted: {reason}"),
+        }
+    }
+}
