@@ -51,7 +51,7 @@ pub struct DeformSolver {
     pub(super) complex: SimplicialComplex,
     pub(super) held: HeldVertices,
     pub(super) deformer: Deformer,
-    engine: Engine,
+    pub(super) engine: Engine,
     /// Near the end of the last solve. Its displacements are counted from targets and rest positions: held vertices move along.
     last: Option<Iterate>,
 }
@@ -177,14 +177,14 @@ impl DeformSolver {
     ) -> Result<Deformed, DeformError> {
         let mut effort = Effort { factor_entries: self.engine.factor_entries(), ..Effort::default() };
         let mut rotations = rotations.to_vec();
-        let mut solved = self.solve_once(&rotations, targets, options, (&mut effort, preview))?;
+        let mut solved = self.decided(&rotations, targets, options, (&mut effort, preview))?;
         for _ in 0..options.rounds {
             if solved.solution.status != QpStatus::Solved {
                 break;
             }
             rotations = nearest_rotations(&self.deformer.rest().deformation_gradients(&solved.positions)?);
             let warm = SolveOptions { begin: Begin::Cold, ..*options };
-            solved = self.solve_once(&rotations, targets, &warm, (&mut effort, preview))?;
+            solved = self.decided(&rotations, targets, &warm, (&mut effort, preview))?;
         }
         if let QpStatus::Infeasible(certificate) = &solved.solution.status {
             let is_hard = self.deformer.options().hold == Hold::Hard;
@@ -232,12 +232,7 @@ impl DeformSolver {
         if solution.restart.is_some() {
             self.last.clone_from(&solution.restart);
         }
-        effort.problems += 1;
-        effort.iterations += solution.iterations;
-        effort.factorizations += solution.factorizations;
-        effort.solves += solution.solves;
-        effort.factor_seconds += solution.timings.factor;
-        effort.seconds += solution.timings.total;
+        effort.add(&solution);
         let positions = self.deformer.positions(targets, &solution.x)?;
         Ok(Solved { solution, positions })
     }
