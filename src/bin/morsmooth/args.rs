@@ -58,6 +58,16 @@ pub enum Command {
     /// not by an amount: a plateau from a to b says that the threshold may be off by the factor b/a without any effect. The
     /// widest differences are listed as well; they favour the few largest extrema, which are far apart in any field.
     Persistence(Box<crate::persistence::PersistenceArgs>),
+    /// Find the smoothest function with exactly the minima and maxima that someone wants, without data.
+    ///
+    /// Exit codes: 0 if the file written was read back and has exactly the wanted extrema, or the method promises none; 1 if it has not;
+    /// 2 for a wrong command line or input, such as wishes that contradict each other.
+    Interpolate(Box<crate::interpolate::InterpolateArgs>),
+    /// Spread colours that are given at points and along curves over a shape or an image.
+    ///
+    /// Exit codes: 0 if no channel has an extremum but at given colours, or the method does not promise it; 1 otherwise; 2 for a wrong
+    /// command line or input.
+    Diffuse(Box<crate::diffuse::DiffuseArgs>),
     /// Smooth the columns of a table along one of them, numbers or dates, with exactly the wanted minima and maxima.
     ///
     /// Steps may be irregular and values missing. Exit codes as those of 'smooth'.
@@ -76,6 +86,12 @@ pub enum Command {
     Pose(crate::pose::PoseArgs),
     /// Write a data set in another format, with a warning for everything that the format cannot hold.
     Convert(ConvertArgs),
+    /// Write skinning weights: a function a handle, 1 on its own vertices and 0 on those of the others.
+    ///
+    /// Monotone weights have no extremum but at handles; the others are what they are compared with. A handle of several joined
+    /// vertices is one place: an extremum as a whole. Exit codes: 0 if the file written was read back and, for monotone weights, has exactly
+    /// the wanted extrema; 1 if it has not (then nothing is written without --keep-unaudited); 2 for a wrong command line or input.
+    Weights(Box<crate::weights::WeightsArgs>),
 }
 
 /// Which field of which file, on which part of the domain.
@@ -366,6 +382,14 @@ pub struct ConvertArgs {
 
     /// File to write; its extension, one of the same, chooses the format.
     pub output: PathBuf,
+
+    /// Read a .csv file as an outline (columns x and y; an empty line or a column 'ring' parts rings) and fill it with triangles.
+    #[arg(long)]
+    pub outline: bool,
+
+    /// How an outline is filled.
+    #[command(flatten)]
+    pub fill: OutlineArgs,
 
     /// What is said, and threads.
     #[command(flatten)]

@@ -3,15 +3,19 @@
 
 mod animate;
 mod args;
+mod by_hand;
 mod check;
 mod complex;
 mod complex_report;
 mod convert;
 mod deform;
+mod diffuse;
+mod diffuse_colours;
 mod extrema;
 mod failure;
 mod info;
 mod input;
+mod interpolate;
 mod number;
 mod output;
 mod persistence;
@@ -25,10 +29,13 @@ mod series_input;
 mod shape;
 mod shape_file;
 mod shape_pictures;
+mod shape_input;
 mod simplify;
 mod smooth;
 mod table;
 mod talk;
+mod weights;
+mod weights_report;
 mod wishes;
 mod written;
 
@@ -75,11 +82,14 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Smooth(args) => args.talk.threads,
         Command::Simplify(args) => args.talk.threads,
         Command::Persistence(args) => args.talk.threads,
+        Command::Interpolate(args) => args.talk.threads,
+        Command::Diffuse(args) => args.talk.threads,
         Command::Series(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
         Command::Convert(args) => args.talk.threads,
         Command::Pose(args) => args.talk.threads,
+        Command::Weights(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
         if threads == 0 {
@@ -98,10 +108,13 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Smooth(args) => smooth::run(args),
         Command::Simplify(args) => simplify::run(args),
         Command::Persistence(args) => persistence::run(args),
+        Command::Interpolate(args) => interpolate::run(args),
+        Command::Diffuse(args) => diffuse::run(args),
         Command::Series(args) => series::run(args),
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Pose(args) => pose::run(args),
+        Command::Weights(args) => weights::run(args),
     }
 }
