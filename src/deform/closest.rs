@@ -37,7 +37,7 @@ impl DeformSolver {
         if self.deformer.options().hold == Hold::Hard {
             let softer = super::DeformOptions { hold: Hold::Soft { alpha: ALPHA }, ..self.deformer.options() };
             let mut soft = Self::with_rest(&self.complex, self.deformer.rest().clone(), self.held.clone(), softer)?;
-            let solved = soft.solve_once(asked, targets, options, (&mut effort, &mut *preview))?;
+            let solved = soft.decided(asked, targets, options, (&mut effort, &mut *preview))?;
             let is_enough = soft.is_usable(&solved)?;
             let found = (Substitute::SoftHandles, solved, asked.to_vec());
             let (substitute, solved, rotations) =
@@ -100,7 +100,7 @@ impl DeformSolver {
                 let positions = self.deformer.positions(targets, &x)?;
                 self.reread((&mut rotations, &mut is_other), targets, &positions)?;
             }
-            solved = self.solve_once(&rotations, targets, options, (&mut *effort, &mut *preview))?;
+            solved = self.decided(&rotations, targets, options, (&mut *effort, &mut *preview))?;
             if self.is_usable(&solved)? {
                 let elements = is_other.iter().filter(|&&other| other).count();
                 return Ok((Substitute::RotationsReread { rounds, elements }, solved, rotations));
@@ -110,7 +110,7 @@ impl DeformSolver {
         for halving in 1..=HALVINGS + 1 {
             let share = if halving > HALVINGS { 0.0 } else { 0.5f64.powi(halving) };
             rotations = asked.iter().map(|&rotation| mean_rotation(&[mean, rotation], &[1.0 - share, share])).collect();
-            solved = self.solve_once(&rotations, targets, options, (&mut *effort, &mut *preview))?;
+            solved = self.decided(&rotations, targets, options, (&mut *effort, &mut *preview))?;
             if self.is_usable(&solved)? || halving > HALVINGS {
                 return Ok((Substitute::RotationsBlended { share }, solved, rotations));
             }

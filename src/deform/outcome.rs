@@ -3,7 +3,7 @@
 use super::{Blame, DeformEnergy, SolveMethod};
 use crate::audit::OrientationReport;
 use crate::field::VertexId;
-use crate::qp::{FactorPrecision, KktResiduals};
+use crate::qp::{FactorPrecision, KktResiduals, Solution};
 
 /// How a deformation ended. Only [`DeformStatus::Certified`] is success.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -82,6 +82,18 @@ pub struct Effort {
     pub factor_seconds: f64,
     /// Seconds of all solves.
     pub seconds: f64,
+}
+
+impl Effort {
+    /// Counts one more solve.
+    pub(super) fn add(&mut self, solution: &Solution) {
+        self.problems += 1;
+        self.iterations += solution.iterations;
+        self.factorizations += solution.factorizations;
+        self.solves += solution.solves;
+        self.factor_seconds += solution.timings.factor;
+        self.seconds += solution.timings.total;
+    }
 }
 
 /// A deformed shape with its evidence.

@@ -177,14 +177,14 @@ impl DeformSolver {
     ) -> Result<Deformed, DeformError> {
         let mut effort = Effort { factor_entries: self.engine.factor_entries(), ..Effort::default() };
         let mut rotations = rotations.to_vec();
-        let mut solved = self.solve_once(&rotations, targets, options, (&mut effort, preview))?;
+        let mut solved = self.decided(&rotations, targets, options, (&mut effort, preview))?;
         for _ in 0..options.rounds {
             if solved.solution.status != QpStatus::Solved {
                 break;
             }
             rotations = nearest_rotations(&self.deformer.rest().deformation_gradients(&solved.positions)?);
-            let warm = SolveOptions { begin: Begin::Cold, ..*options };
-            solved = self.solve_once(&rotations, targets, &warm, (&mut effort, preview))?;
+            let again = SolveOptions { begin: Begin::Cold, ..*options };
+            solved = self.decided(&rotations, targets, &again, (&mut effort, preview))?;
         }
         let is_hard = self.deformer.options().hold == Hold::Hard;
         let status = match &solved.solution.status {
@@ -234,12 +234,7 @@ impl DeformSolver {
         if solution.restart.is_some() {
             self.last.clone_from(&solution.restart);
         }
-        effort.problems += 1;
-        effort.iterations += solution.iterations;
-        effort.factorizations += solution.factorizations;
-        effort.solves += solution.solves;
-        effort.factor_seconds += solution.timings.factor;
-        effort.seconds += solution.timings.total;
+        effort.add(&solution);
         let positions = self.deformer.positions(targets, &solution.x)?;
         Ok(Solved { solution, positions })
     }

@@ -126,7 +126,7 @@ impl Work<'_> {
     fn guide(&self, pinned: &[f64]) -> Result<(Along, bool), InterpolateError> {
         let smooth = || representative(self.complex, &VertexOrder::of_values(pinned)?, self.wanted);
         let asked: Representative = match self.options.guide {
-            Guide::SmoothThenSimplify => smooth()?,
+            Guide::Automatic | Guide::SmoothThenSimplify => smooth()?,
             Guide::Harmonic => harmonic(self.complex, self.wanted)?,
         };
         let found = match self.along(asked.order) {
@@ -134,7 +134,7 @@ impl Work<'_> {
             Err(found) => found,
         };
         let other = match self.options.guide {
-            Guide::SmoothThenSimplify => harmonic(self.complex, self.wanted)?,
+            Guide::Automatic | Guide::SmoothThenSimplify => harmonic(self.complex, self.wanted)?,
             Guide::Harmonic => smooth()?,
         };
         self.along(other.order).map(|along| (along, true)).map_err(|_| InterpolateError::Contradiction {

@@ -60,7 +60,7 @@ fn single_precision_ends_at_the_same_shape() {
         let double = solve(&scene, &SolveOptions::default());
         let mut solver = solver(&scene, DeformOptions::default());
         let (flops, [whole, half]) = solver.factor_cost();
-        assert!(flops > 0.0 && whole == 2 * half);
+        assert!(flops > 0.0 && whole.abs_diff(2 * half) <= 2);
         solver.choose_factor(FactorChoice::Automatic, whole - 1);
         assert_eq!(solver.precision(), morsmooth::qp::FactorPrecision::Single, "what does not fit is factored in single precision");
         let single = solver.solve(&scene.rotations, &scene.targets, &SolveOptions::default(), &mut |_| {}).unwrap();
