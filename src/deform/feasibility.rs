@@ -1,8 +1,9 @@
 //! Whether rotations leave any shape at all: a question without a scale, asked where the solver could not decide.
 
 use super::solver::Solved;
-use super::{DeformError, DeformOptions, DeformPreview, DeformSolver, Deformer, Effort, Hold, SolveOptions};
-use crate::qp::{QpStatus, Settings};
+use super::{DeformError, DeformOptions, DeformPreview, DeformSolver, Deformer, Effort, Hold, RestShape, SolveOptions};
+use crate::linalg::small::{Square, scaled_length, symmetric_eigen, to_scaled};
+use crate::qp::{Certificate, QpStatus, Settings};
 
 /// Margin of the question. Soft handles let a shape shrink to nothing, where every cone is violated by no more than the tiny margin of the
 /// problem; with a margin of the order of one no shape comes near by shrinking.
@@ -10,6 +11,10 @@ const MARGIN: f64 = 0.5;
 
 /// Stiffness of all springs together, relative to that of the shape: they keep the shape in its place, and move nothing.
 const SPRINGS: f64 = 1e-3;
+
+/// Neighbours count as turned half a turn against each other if `1 + cos` of their angle is below this: a shape would have to be
+/// stretched a million times.
+const OPPOSED: f64 = 1e-12;
 
 impl DeformSolver {
     /// As [`DeformSolver::solve_once`]; where that ends undecided, the rotations alone are asked for a shape first.
@@ -40,13 +45,18 @@ impl DeformSolver {
                 effort.add(&solution);
                 let positions = self.deformer.positions(targets, &solution.x)?;
                 let inverted = |positions: &[f64]| -> Result<usize, DeformError> {
-                    Ok(self.deformer.rest().determinants(positions)?.iter().filter(|det| !(**det > 0.0)).count())
+                    Ok(self.deformer.rest().determinants(positions)?.iter().filter(|det| det.is_nan() || **det <= 0.0).count())
                 };
                 if solution.status == QpStatus::Solved || inverted(&positions)? < inverted(&solved.positions)? {
                     solved = Solved { solution, positions };
                 }
             }
-            QpStatus::IterationLimit | QpStatus::Stalled => {}
+            QpStatus::IterationLimit | QpStatus::Stalled => {
+                let margins = self.deformer.margins(targets);
+                if let Some(certificate) = opposed_neighbours(self.deformer.rest(), rotations, &margins) {
+                    solved.solution.status = QpStatus::Infeasible(certificate);
+                }
+            }
         }
         Ok(solved)
     }
@@ -73,4 +83,71 @@ impl DeformSolver {
         let positions = free.positions(&targets, &solution.x)?;
         Ok((solution.status, positions))
     }
+}
+
+/// The proof by two neighbours that are turned half a turn against each other, the first such pair.
+///
+/// There is a direction t in their common facet with `R_1 t = -R_2 t`. Both map it to the same `F t`, so that
+/// `tᵀ R_1ᵀ F_1 t + tᵀ R_2ᵀ F_2 t = 0` whatever the shape: the ray has `t tᵀ` at both blocks.
+fn opposed_neighbours(rest: &RestShape, rotations: &[Square<3>], margins: &[f64]) -> Option<Certificate> {
+    let dimension = rest.dimension();
+    let mut facets: Vec<([u32; 3], u32)> = Vec::with_capacity(rest.element_count() * (dimension + 1));
+    for element in 0..rest.element_count() {
+        let corners = rest.corners(element);
+        for omitted in 0..corners.len() {
+            let mut facet = [u32::MAX; 3];
+            let kept = (0..corners.len()).filter(|&corner| corner != omitted);
+            facet.iter_mut().zip(kept).for_each(|(slot, corner)| *slot = corners[corner]);
+            facets.push((facet, element as u32));
+        }
+    }
+    facets.sort_unstable();
+    let cosine = |one: usize, other: usize| {
+        let product = |axis: usize, column: usize| rotations[one][axis][column] * rotations[other][axis][column];
+        let trace: f64 = (0..dimension).flat_map(|axis| (0..dimension).map(move |column| (axis, column))).map(|(a, c)| product(a, c)).sum();
+        // The trace of a rotation by an angle is 2 cos in the plane, 1 + 2 cos in space.
+        0.5 * (trace - if dimension == 2 { 0.0 } else { 1.0 })
+    };
+    let pair = facets.windows(2).find(|pair| pair[0].0 == pair[1].0 && 1.0 + cosine(pair[0].1 as usize, pair[1].1 as usize) < OPPOSED)?;
+    let (facet, [one, other]) = (pair[0].0, [pair[0].1 as usize, pair[1].1 as usize]);
+    let direction = opposed_direction(rest, facet, [&rotations[one], &rotations[other]])?;
+    let square: Square<3> = std::array::from_fn(|i| std::array::from_fn(|j| direction[i] * direction[j]));
+    let rows = scaled_length(dimension);
+    let mut ray = vec![0.0; rest.element_count() * rows];
+    for element in [one, other] {
+        let mut scaled = [0.0; 6];
+        to_scaled(&square, &mut scaled);
+        ray[element * rows..][..rows].copy_from_slice(&scaled[..rows]);
+    }
+    Some(Certificate {
+        constraints: vec![one.min(other), one.max(other)],
+        multipliers: vec![1.0; 2],
+        conflict: -(margins[one] + margins[other]),
+        residual: 0.0,
+        relaxations: Vec::new(),
+        least_objective: None,
+        ray,
+    })
+}
+
+/// The unit vector t in a facet, in the rest shape, for which `R_1 t + R_2 t` is shortest.
+fn opposed_direction(rest: &RestShape, facet: [u32; 3], [first, second]: [&Square<3>; 2]) -> Option<[f64; 3]> {
+    let at = |corner: usize| rest.points()[facet[corner] as usize];
+    let side = |corner: usize| -> [f64; 3] { std::array::from_fn(|axis| at(corner)[axis] - at(0)[axis]) };
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let unit = |a: [f64; 3]| {
+        let length = dot(a, a).sqrt();
+        (length > 0.0).then(|| a.map(|part| part / length))
+    };
+    let along = unit(side(1))?;
+    if rest.dimension() == 2 {
+        return Some(along);
+    }
+    let across = side(2);
+    let share = dot(along, across);
+    let across = unit(std::array::from_fn(|axis| across[axis] - share * along[axis]))?;
+    let sum = |t: [f64; 3]| -> [f64; 3] { std::array::from_fn(|row| dot(first[row], t) + dot(second[row], t)) };
+    let (a, b) = (sum(along), sum(across));
+    let (_, vectors) = symmetric_eigen(&[[dot(a, a), dot(a, b)], [dot(a, b), dot(b, b)]]);
+    Some(std::array::from_fn(|axis| vectors[0][0] * along[axis] + vectors[1][0] * across[axis]))
 }

@@ -228,8 +228,8 @@ def main():
                 if args.keep:
                     os.makedirs(args.keep, exist_ok=True)
                     json.dump(pose, open(os.path.join(args.keep, f"{number}_{name}.json"), "w"))
-                    for extra in (file, name + "_h.json"):
-                        open(os.path.join(args.keep, extra), "wb").write(open(path(extra), "rb").read())
+                    for extra in (file, name + "_h.json", *(["weights.vtu"] if is_impossible else [])):
+                        open(os.path.join(args.keep, f"{number}_{extra}"), "wb").write(open(path(extra), "rb").read())
     print("| mesh | elements | poses | two handles half a turn apart | of them no shape exists | free of inversions | not certified optimal | refused, culprits named | slowest s |")
     print("|---|---|---|---|---|---|---|---|---|")
     for name, r in rows.items():

@@ -219,7 +219,7 @@ impl<'a> Drawer<'a> {
         for (point, place) in points.iter_mut().zip(positions.chunks(rest.dimension())) {
             point[..rest.dimension()].copy_from_slice(place);
         }
-        let inverted = determinants.iter().filter(|det| !(**det > 0.0)).count();
+        let inverted = determinants.iter().filter(|det| det.is_nan() || **det <= 0.0).count();
         let title = format!("iteration {iteration}: {inverted} inverted");
         let target = directory.join(format!("iterate_{:04}.png", self.count));
         self.count += 1;

@@ -15,7 +15,7 @@ const MARKS: usize = 300;
 pub fn before_after(directory: &Path, shape: &Shape, rig: &Rig, posed: &Posed) -> Result<(), Failure> {
     make(directory)?;
     let rest = shape.complex().points();
-    let inverted = posed.determinants.iter().filter(|det| !(**det > 0.0)).count();
+    let inverted = posed.determinants.iter().filter(|det| det.is_nan() || **det <= 0.0).count();
     let title = match inverted {
         0 => "after: no inverted element".to_owned(),
         1 => "after: 1 inverted element".to_owned(),

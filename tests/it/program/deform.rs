@@ -154,7 +154,7 @@ fn contradictions_name_handles_and_elements() {
     dataset.set_point_array(weight("down", [-0.5, -0.5, 1.0, 4.0]));
     bench.put("in.vtu", &dataset);
     bench.text("h.json", r#"{"handles": [{"name": "up", "point": [0.5, 1]}, {"name": "down", "point": [0.5, -1]}]}"#);
-    bench.text("p.json", r#"{"handles": {"up": {"rotation_degrees": 108}}}"#);
+    bench.text("p.json", r#"{"handles": {"up": {"rotation_degrees": 180}}}"#);
     let given = [&["deform", "in.vtu", "out.vtu", "--weights", "in.vtu", "-q", "--report", "r.json"][..], &RIG].concat();
     let run = bench.run(&given);
     assert_eq!(run.code, 1, "{}{}", run.stdout, run.stderr);
