@@ -12,7 +12,7 @@ use super::report::{Defects, ExtremumType, MovedValue, ValueRule};
 /// The extrema of a field against the values that were given.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlateauReport {
-    /// Nothing spurious, nothing missing, no value moved, no plateau without a given value.
+    /// Nothing spurious, nothing missing, no value moved, nothing flat.
     pub passed: bool,
     /// Minima found, a plateau counting as one.
     pub found_minima: usize,
@@ -28,7 +28,8 @@ pub struct PlateauReport {
     pub missing: Defects<(VertexId, ExtremumType)>,
     /// Given values that the field does not have.
     pub moved_values: Defects<MovedValue>,
-    /// Equal neighbours without a given value on their plateau, by the lowest vertices of the plateaus.
+    /// Vertices without a given value on their plateau that have an equal neighbour, and none strictly below or none strictly above: there
+    /// plain `<` and `<=` disagree.
     pub flat: Defects<VertexId>,
     /// Least and greatest value of the field.
     pub range: (f64, f64),
@@ -92,11 +93,14 @@ pub fn audit_plateaus(
     }
     let root: Vec<u32> = (0..n as u32).map(|vertex| find(&mut root, vertex)).collect();
     let mut places = vec![Place::default(); n];
+    let mut beside = vec![[false; 2]; n];
     for (a, b) in pairs() {
         let (low, high) = if values[a as usize] < values[b as usize] { (a, b) } else { (b, a) };
         if values[low as usize] < values[high as usize] {
             places[root[low as usize] as usize].higher = true;
             places[root[high as usize] as usize].lower = true;
+            beside[low as usize][1] = true;
+            beside[high as usize][0] = true;
         }
     }
     for &vertex in &root {
@@ -120,13 +124,15 @@ pub fn audit_plateaus(
             must_be_maximum.push(plateau);
         }
     }
-    let (mut spurious, mut missing, mut flat) = (Vec::new(), Vec::new(), Vec::new());
+    let is_flat = |vertex: &usize| {
+        let place = &places[root[*vertex] as usize];
+        place.vertices > 1 && !place.given && beside[*vertex] != [true; 2]
+    };
+    let flat: Vec<VertexId> = (0..n).filter(is_flat).map(VertexId::from).collect();
+    let (mut spurious, mut missing) = (Vec::new(), Vec::new());
     let (mut found_minima, mut found_maxima) = (0, 0);
     for (vertex, place) in places.iter().enumerate().filter(|&(vertex, _)| root[vertex] as usize == vertex) {
         let vertex = VertexId::from(vertex);
-        if place.vertices > 1 && !place.given {
-            flat.push(vertex);
-        }
         for (kind, is_extremum, found) in [
             (ExtremumType::Minimum, place.higher && !place.lower, &mut found_minima),
             (ExtremumType::Maximum, place.lower && !place.higher, &mut found_maxima),

@@ -7,7 +7,10 @@ use super::weights::{Weights, dot4, side, sign};
 use crate::linalg::small::Square;
 use crate::mesh::{HandleTransform, Pose, Rotation};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
+
+/// Difference of two angles about z, in degrees, from which on dual quaternions are not asked which way to turn: at 360 degrees their sum
+/// vanishes, at 350 it keeps a twentieth of its length.
+const WIDEST: f64 = 350.0;
 
 /// Linear blend skinning, `x' = sum_h w_h T_h(x)`.
 ///
@@ -46,9 +49,8 @@ pub fn linear_blend(points: &[[f64; 3]], weights: &[f64], pose: &Pose) -> Result
 /// `q + e/2 t q`. Their sum by weights, each with the sign that brings q to the side of the handle with the greatest weight, is
 /// divided by the length of its first part. The transform of a vertex on which one handle has all the weight is that of the handle.
 ///
-/// If all handles turn about the z axis, signs are those of the half angles as given, so that turns up to 360 degrees from
-/// one handle to another go the way that was asked. Where two angles differ by 360 degrees or more no dual quaternion
-/// can tell; then the angle is blended, `theta = sum_h w_h theta_h`, and each handle turns about its own pivot:
+/// If all handles turn about the z axis, signs are those of the half angles as given, so that turns up to 350 degrees from
+/// one handle to another go the way that was asked. Where two angles differ by more no dual quaternion can tell; then the angle is blended, `theta = sum_h w_h theta_h`, and each handle turns about its own pivot:
 /// `x' = sum_h w_h (pivot_h + R(theta) (x - pivot_h) + translation_h)`.
 ///
 /// # Arguments, Returns, Errors, Cost
@@ -59,11 +61,15 @@ pub fn linear_blend(points: &[[f64; 3]], weights: &[f64], pose: &Pose) -> Result
 pub fn dual_quaternion(points: &[[f64; 3]], weights: &[f64], pose: &Pose) -> Result<Vec<[f64; 3]>, DeformError> {
     let weights = Weights::new(weights, points.len(), pose)?;
     let angles = planar_angles(pose);
-    if let Some(angles) = angles.as_ref().filter(|angles| spread(angles) >= TAU) {
+    if let Some(angles) = angles.as_ref().filter(|angles| spread(angles).to_degrees() >= WIDEST) {
         return Ok(turns(points, weights, pose, angles));
     }
     let as_given = angles.is_some();
-    let duals: Vec<Dual> = pose.transforms.iter().map(Dual::new).collect();
+    let mut transforms = pose.transforms.clone();
+    for (transform, &angle) in transforms.iter_mut().zip(angles.iter().flatten()) {
+        transform.rotation = Rotation::Angle(angle);
+    }
+    let duals: Vec<Dual> = transforms.iter().map(Dual::new).collect();
     let quaternions: Vec<[f64; 4]> = duals.iter().map(|dual| dual.real).collect();
     let moved = points.par_iter().with_min_len(CHUNK).enumerate().map(|(vertex, &point)| {
         let reference = side(weights.of(vertex), &quaternions).unwrap_or([1.0, 0.0, 0.0, 0.0]);
@@ -80,7 +86,7 @@ pub fn dual_quaternion(points: &[[f64; 3]], weights: &[f64], pose: &Pose) -> Res
     Ok(moved.collect())
 }
 
-/// Blending of angles that differ by a turn or more.
+/// Blending of angles that differ by nearly a turn or more.
 fn turns(points: &[[f64; 3]], weights: Weights<'_>, pose: &Pose, angles: &[f64]) -> Vec<[f64; 3]> {
     let moved = points.par_iter().with_min_len(CHUNK).enumerate().map(|(vertex, &point)| {
         let angle = weights.of(vertex).map(|(handle, weight)| weight * angles[handle]).sum();

@@ -3,6 +3,7 @@
 mod envelope;
 mod error;
 mod exact;
+mod heat;
 mod source;
 mod surface;
 mod turn;
@@ -11,4 +12,5 @@ mod window;
 
 pub use error::GeodesicError;
 pub use exact::{ExactGeodesic, exact_distances};
+pub use heat::{HeatGeodesic, HeatOptions};
 pub use source::{SurfacePoint, nearest_point};

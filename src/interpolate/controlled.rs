@@ -7,10 +7,10 @@ use crate::linalg::CsrMatrix;
 use crate::monotone::{
     Contradiction, EdgeSet, Levels, MonotonicityGraph, Precision, Strictness, ValueRule, flood, levels, repair, st_numbering, sweep,
 };
-use crate::qp::{Constraints, Engine, Objective, Problem, Settings, Solution};
+use crate::qp::{Constraints, Engine, Objective, Problem, QpStatus, Settings, Solution};
 
 use super::contraction::Contraction;
-use super::method::{Guide, InterpolateOptions};
+use super::method::InterpolateOptions;
 use super::InterpolateError;
 
 /// Margins of the order constraints, as parts of the differences of levels: small against the energy, large against the rounding of
@@ -43,13 +43,9 @@ pub(super) struct Directions {
 }
 
 /// What keeps a function monotone after it was found.
-#[derive(Debug, Clone)]
 pub(super) struct Frame {
-    pub member: Vec<VertexId>,
-    pub node: Vec<u32>,
-    pub graph: MonotonicityGraph,
-    pub levels: Levels,
-    pub rules: Vec<ValueRule>,
+    pub contraction: Contraction,
+    pub directions: Directions,
 }
 
 /// A field on the nodes, strict along the directions.
@@ -62,6 +58,17 @@ pub(super) struct Strict {
     pub directions: Directions,
     /// Energy in units of the objective after each round.
     pub rounds: Vec<f64>,
+}
+
+impl Strict {
+    /// The one of two with less energy, with the work of both.
+    pub fn or_better(self, other: Self) -> Self {
+        let (iterations, factorizations) = (self.iterations + other.iterations, self.factorizations + other.factorizations);
+        // A solve that did not end is worth less than one that did.
+        let key = |found: &Self| (found.solution.status != QpStatus::Solved, found.solution.objective);
+        let best = if key(&other) < key(&self) { other } else { self };
+        Self { iterations, factorizations, ..best }
+    }
 }
 
 impl<'a> Controlled<'a> {
@@ -98,6 +105,18 @@ impl<'a> Controlled<'a> {
             // The contraction leaves no region that is out of reach.
             (None, None) => Err(InterpolateError::Pinched { vertex: self.contraction.member[0], vertices: graph.vertex_count() }),
         }
+    }
+
+    /// The field on the vertices nearest to a given one, in the mean of two sweeps, that falls along none of the directions of its own
+    /// order, flooded to the wanted extrema; of the old directions where that has none.
+    pub fn led_back(&self, field: &[f64], old: &mut Directions) -> Vec<f64> {
+        let Contraction { graph, wanted, member, .. } = self.contraction;
+        let flooded = flood(graph, &self.order_of(field), wanted);
+        if flooded.valid && let Ok(found) = self.along(flooded.order, old.passes, old.replaced) {
+            *old = found;
+        }
+        let nodes: Vec<f64> = member.iter().map(|vertex| field[vertex.index()]).collect();
+        sweep(&old.graph, &old.levels, &nodes)
     }
 
     /// The order of a field on the vertices; wanted minima come before other nodes of the same value, wanted maxima after.
@@ -218,13 +237,5 @@ impl<'a> Controlled<'a> {
             solution,
             directions,
         })
-    }
-}
-
-/// The field on the vertices that a guide takes its order from.
-pub(super) fn guiding<'f>(guide: Guide, pinned: &'f [f64], harmonic: &'f [f64]) -> &'f [f64] {
-    match guide {
-        Guide::SmoothThenSimplify => pinned,
-        Guide::Harmonic => harmonic,
     }
 }

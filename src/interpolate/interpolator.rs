@@ -8,16 +8,16 @@ use crate::mesh::SimplicialComplex;
 use crate::monotone::{EnergyWeights, Operators, energy_parts};
 use crate::morse::WantedExtrema;
 use crate::operators::positive_laplacian;
-use crate::qp::{Constraints, Engine, Minimum, Objective, Problem, QpStatus, Settings, Term};
+use crate::qp::{Constraints, Engine, KktForm, Minimum, Objective, Problem, QpStatus, Settings, Term};
 
 use super::boundary::{fixed_values, range};
 use super::contraction::Contraction;
-use super::controlled::{Controlled, Directions, Frame, guiding};
+use super::controlled::{Controlled, Directions, Frame, Strict};
 use super::lanes::in_lanes;
-use super::method::{InterpolateOptions, Mass, Method};
+use super::method::{Guide, InterpolateOptions, Mass, Method};
 use super::InterpolateError;
 
-/// Largest gradient at a free vertex, relative to the largest force, measured in product form, at which a linear solve is accepted.
+/// Largest residual, measured in product form, at which a result is accepted.
 const RESIDUAL: f64 = 1e-8;
 /// A row counts as active if the solution is this much closer to it than the range of the values.
 const ACTIVE: f64 = 1e-7;
@@ -62,7 +62,8 @@ pub struct InterpolateReport {
     pub energy: f64,
     /// How the solver ended.
     pub status: QpStatus,
-    /// Largest gradient of the Lagrangian at a free vertex, relative to the largest force, measured in product form.
+    /// Largest gradient of the Lagrangian at a free vertex, measured in product form. Of linear methods relative to the addends it is the sum
+    /// of (the componentwise backward error), of the others relative to the largest force.
     pub residual: f64,
     /// Duality gap relative to the energy; 0 where the method is linear.
     pub gap: f64,
@@ -172,7 +173,9 @@ impl<'a> Interpolator<'a> {
         let (smooth, dirichlet) = (chain(order), chain(1));
         let terms = vec![Term::Matrix(positive_laplacian(complex)?)];
         let positive = Objective { terms, linear: vec![0.0; n], constant: 0.0 };
-        let engines = vec![Engine::new(&smooth, None, Some(complex.points()))?];
+        // Without data the estimate of `Automatic`, which knows no appendages, trusts the formed matrix of order 4 too far.
+        let form = if order == 4 { KktForm::Mixed } else { KktForm::Automatic };
+        let engines = vec![Engine::in_form(&smooth, None, Some(complex.points()), form)?];
         let laplace = Engine::new(&dirichlet, None, Some(complex.points()))?;
         let component = complex.components();
         Ok(Self { complex, component, operators, order, smooth, engines, dirichlet, positive, laplace })
@@ -317,9 +320,9 @@ impl<'a> Interpolator<'a> {
             let (pinned, harmonic) = (&parts.pinned[job], &parts.harmonic[job]);
             let wanted = given[job].wanted.as_ref();
             let contraction = Contraction::new(this.complex, &parts.fixed[job], harmonic, wanted)?;
-            let (mut found, frame) = this.monotone(engine, &contraction, (pinned, harmonic), options)?;
+            let (mut found, directions) = this.monotone(engine, &contraction, (pinned, harmonic), options)?;
             found.report.seconds = clock.elapsed().as_secs_f64();
-            Ok((found, (frames == Frames::Kept).then_some(frame)))
+            Ok((found, (frames == Frames::Kept).then_some(Frame { contraction, directions })))
         })
     }
 
@@ -343,7 +346,7 @@ impl<'a> Interpolator<'a> {
     }
 
     fn linear(&self, minimum: Minimum, order: usize, seconds: f64) -> Result<Interpolated, InterpolateError> {
-        let residual = minimum.stationarity;
+        let residual = minimum.backward;
         if residual.is_nan() || residual > RESIDUAL {
             return Err(InterpolateError::Inaccurate { order, residual, tolerance: RESIDUAL });
         }
@@ -410,7 +413,7 @@ impl<'a> Interpolator<'a> {
         contraction: &Contraction,
         (pinned, harmonic): (&[f64], &[f64]),
         options: &InterpolateOptions,
-    ) -> Result<(Interpolated, Frame), InterpolateError> {
+    ) -> Result<(Interpolated, Directions), InterpolateError> {
         let held;
         let pinned = match contraction.constant {
             0 => pinned,
@@ -423,8 +426,23 @@ impl<'a> Interpolator<'a> {
             }
         };
         let controlled = Controlled::new(contraction, &self.smooth, options);
-        let directions = controlled.directions(guiding(options.guide, pinned, harmonic), harmonic)?;
-        let strict = controlled.solve(engine, directions, pinned)?;
+        let both = [pinned, harmonic];
+        let asked: &[&[f64]] = match options.guide {
+            Guide::SmoothThenSimplify => &both[..1],
+            Guide::Harmonic => &both[1..],
+            Guide::Automatic if self.order <= 2 => &both[..1],
+            Guide::Automatic => &both,
+        };
+        let mut strict: Option<Strict> = None;
+        for field in asked {
+            let directions = controlled.directions(field, harmonic)?;
+            let found = controlled.solve(engine, directions, pinned)?;
+            strict = Some(match strict.take() {
+                Some(other) => other.or_better(found),
+                None => found,
+            });
+        }
+        let strict = strict.ok_or(InterpolateError::Count { what: "representative functions", found: 0, expected: 1 })?;
         let values = contraction.spread(&strict.nodes);
         let members = |nodes: &[VertexId]| nodes.iter().map(|node| contraction.member[node.index()]).collect();
         let scale = 2.0 * self.energy_unit();
@@ -445,10 +463,7 @@ impl<'a> Interpolator<'a> {
             status: strict.solution.status,
             ..InterpolateReport::solved()
         };
-        let Directions { graph, levels, .. } = strict.directions;
-        let (member, node) = (contraction.member.clone(), contraction.node.clone());
-        let frame = Frame { member, node, graph, levels, rules: controlled.rules };
-        Ok((Interpolated { values, report }, frame))
+        Ok((Interpolated { values, report }, strict.directions))
     }
 
     /// The energy whose objective is 1.

@@ -2,13 +2,17 @@
 
 use rayon::prelude::*;
 
-use crate::monotone::{NotRepresentable, Precision, Strictness, repair, sweep};
+use crate::monotone::{NotRepresentable, Strictness, repair};
+use crate::qp::Objective;
 
 use super::InterpolateError;
-use super::controlled::Frame;
+use super::controlled::{Controlled, Frame};
+use super::method::InterpolateOptions;
 
-/// Most turns of normalisation and sweep.
-const MOST_TURNS: usize = 200;
+/// Most turns of division and return.
+const MOST_TURNS: usize = 100;
+/// Turns without progress after which no more are tried.
+const PATIENCE: usize = 10;
 
 /// Divides the weights at every vertex by their sum.
 ///
@@ -44,48 +48,45 @@ fn sums(weights: &[Vec<f64>]) -> Vec<f64> {
     (0..n).into_par_iter().with_min_len(4096).map(|vertex| weights.iter().map(|weights| weights[vertex]).sum()).collect()
 }
 
-/// Moves monotone weights, in turns, to a sum of one and back to their order: alternating projections onto two convex sets.
+/// Moves monotone weights, in turns, to a sum of one and back to an order with their extrema.
 ///
-/// The last move is the exact repair, so that every weight keeps its extrema; the sums are as near to 1 as the turns brought them.
+/// Each way back is along the order of the divided weights themselves, flooded to the wanted extrema: it moves what division spoiled, and
+/// little else. The last move is the exact repair, so that every weight keeps its extrema; the sums are as near to 1 as the turns brought
+/// them.
 ///
 /// # Returns
 /// The number of turns.
 pub(super) fn normalise_in_order(
     weights: &mut [Vec<f64>],
-    frames: &[Frame],
-    precision: Precision,
+    frames: &mut [Frame],
+    (objective, options): (&Objective, &InterpolateOptions),
     tolerance: f64,
 ) -> Result<usize, InterpolateError> {
-    let mut turns = 0;
-    let mut before = f64::INFINITY;
-    loop {
+    let mut least = f64::INFINITY;
+    let mut without_progress = 0;
+    for turn in 1.. {
         let distance = normalise(weights)?;
-        turns += 1;
-        // Slow progress means that the two sets hardly meet.
-        let is_done = distance <= tolerance || turns >= MOST_TURNS || (turns % 20 == 0 && distance > 0.98 * before);
-        if turns % 20 == 0 {
-            before = distance;
-        }
-        let moved: Result<(), InterpolateError> = weights
-            .par_iter_mut()
-            .zip(frames)
-            .try_for_each(|(weights, frame)| {
-                let nodes: Vec<f64> = frame.member.iter().map(|vertex| weights[vertex.index()]).collect();
-                let swept = sweep(&frame.graph, &frame.levels, &nodes);
-                let nodes = match is_done {
-                    false => swept,
-                    true => repair(&frame.graph, &swept, &frame.rules, precision, Strictness::Plain)
-                        .map_err(|NotRepresentable { vertex }| InterpolateError::NotRepresentable { vertex: frame.member[vertex.index()] })?
-                        .values,
-                };
-                weights.iter_mut().zip(&frame.node).for_each(|(weight, &node)| *weight = nodes[node as usize]);
-                Ok(())
-            });
+        without_progress = if distance < 0.9 * least { 0 } else { without_progress + 1 };
+        least = least.min(distance);
+        let is_last = distance <= tolerance || turn >= MOST_TURNS || without_progress >= PATIENCE;
+        let moved: Result<(), InterpolateError> = weights.par_iter_mut().zip(frames.par_iter_mut()).try_for_each(|(weights, frame)| {
+            let Frame { contraction, directions } = frame;
+            let controlled = Controlled::new(contraction, objective, options);
+            let mut nodes = controlled.led_back(weights, directions);
+            if is_last {
+                let repaired = repair(&directions.graph, &nodes, &controlled.rules, options.precision, Strictness::Plain);
+                let vertex = |found: NotRepresentable| contraction.member[found.vertex.index()];
+                nodes = repaired.map_err(|found| InterpolateError::NotRepresentable { vertex: vertex(found) })?.values;
+            }
+            *weights = contraction.spread(&nodes);
+            Ok(())
+        });
         moved?;
-        if is_done {
-            return Ok(turns);
+        if is_last {
+            return Ok(turn);
         }
     }
+    Ok(MOST_TURNS)
 }
 
 /// Keeps the greatest weights at every vertex, of equal ones those of earlier handles, and divides them by their sum.

@@ -19,8 +19,8 @@ const UNITY: f64 = 1e-6;
 pub enum Partition {
     /// Each handle's weights stay as they are found.
     Free,
-    /// They are divided by their sum afterwards. Monotone weights would lose their guarantee: they are moved back into their order, and
-    /// divided again, in turns, and keep it; their sums come as near to 1 as the turns bring them.
+    /// They are divided by their sum afterwards. Monotone weights would lose their guarantee: they are moved back into an order with the
+    /// wanted extrema, and divided again, in turns, and keep it; their sums come as near to 1 as the turns bring them.
     #[default]
     Normalised,
     /// [`Method::Monotone`]: all handles are one problem with the sum as a constraint. For few handles on small meshes.
@@ -98,7 +98,7 @@ pub fn skinning_weights(
         Ok(audits.collect::<Result<Vec<_>, _>>()?)
     };
     let is_monotone = options.method == Method::Monotone;
-    let (functions, frames) = match (is_monotone, options.partition) {
+    let (functions, mut frames): (Vec<_>, Vec<_>) = match (is_monotone, options.partition) {
         (true, Partition::Coupled) => (coupled(interpolator, given, &options.function)?, Vec::new()),
         (true, _) => {
             let (functions, frames): (Vec<_>, Vec<_>) = interpolator.framed(given, &options.function)?.into_iter().unzip();
@@ -119,7 +119,7 @@ pub fn skinning_weights(
         divided = judge(&plain)?.into_iter().map(Some).collect();
         if is_monotone {
             drop(plain);
-            turns = normalise_in_order(&mut weights, &frames, precision, UNITY)?;
+            turns = normalise_in_order(&mut weights, &mut frames, (interpolator.smooth(), &options.function), UNITY)?;
         } else {
             weights = plain;
         }

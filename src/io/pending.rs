@@ -41,7 +41,7 @@ impl PendingFile {
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);
         hidden.push(format!(".{}-{}.part", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
-        // The same ending, by which formats are told when the file is read back.
+        // Mesh formats are told by their extension, and what was written is read back under this name.
         if let Some(extension) = real.extension() {
             hidden.push(".");
             hidden.push(extension);

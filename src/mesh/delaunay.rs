@@ -163,6 +163,10 @@ fn refine(triangles: &mut Triangles, options: &OutlineOptions, diagonal: f64) ->
         true => Err(OutlineError::TooMany { allowed: options.max_vertices }),
         false => Ok(()),
     };
+    if options.min_angle == 0.0 && area.is_infinite() {
+        // The refinement would still divide segments for the sake of Delaunay triangles.
+        return Ok(());
+    }
     for round in 0..=ROUNDS {
         let mut parameters = RefinementParameters::<f64>::new()
             .exclude_outer_faces(true)

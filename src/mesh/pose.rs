@@ -85,11 +85,12 @@ impl Rotation {
         ]
     }
 
-    /// The angle about the z axis, in radians, if the rotation keeps the planes z = constant; turns are kept.
+    /// The angle about the z axis, in radians, if the rotation keeps the planes z = constant: turns of an angle are kept, a quaternion
+    /// gives -pi to pi.
     pub fn planar_angle(self) -> Option<f64> {
         match self {
             Self::Angle(angle) => Some(angle),
-            Self::Quaternion([w, x, y, z]) => (x == 0.0 && y == 0.0).then(|| 2.0 * z.atan2(w)),
+            Self::Quaternion([w, x, y, z]) => (x == 0.0 && y == 0.0).then(|| 2.0 * (z * w.signum()).atan2(w.abs())),
         }
     }
 }

@@ -57,12 +57,13 @@ fn candidates(ends: [[f64; 3]; 2], complex: &SimplicialComplex, reach: Reach) ->
     (0..complex.vertex_count()).into_par_iter().with_min_len(8192).filter_map(near).collect()
 }
 
-/// Whether vertices on a segment leave no gap longer than the edges there.
+/// Whether vertices on a segment leave no gap longer than twice the edges there: meshes made for a skeleton have vertices on it, at their own
+/// spacing.
 fn covers(on: &[(VertexId, f64)], ends: [[f64; 3]; 2], complex: &SimplicialComplex) -> bool {
     let length = norm(minus(ends[1], ends[0]));
     let Some(&(first, start)) = on.first() else { return false };
     let Some(&(last, end)) = on.last() else { return false };
-    let edge = |vertex| longest_edge(complex, vertex);
+    let edge = |vertex| 2.0 * longest_edge(complex, vertex);
     start * length <= edge(first)
         && (1.0 - end) * length <= edge(last)
         && on.windows(2).all(|pair| (pair[1].1 - pair[0].1) * length <= edge(pair[0].0).max(edge(pair[1].0)))

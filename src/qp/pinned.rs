@@ -17,6 +17,11 @@ pub struct Minimum {
     pub objective: f64,
     /// Largest entry of the gradient at a free unknown, relative to the largest force (linear term, gradient at a fixed unknown).
     pub stationarity: f64,
+    /// What rounding may leave in `stationarity`, as in [`KktResiduals`](super::KktResiduals).
+    pub rounding: f64,
+    /// Largest entry of the gradient at a free unknown relative to the sum of the sizes of the addends it is made of, in product form: the
+    /// componentwise backward error.
+    pub backward: f64,
     /// Solves that were needed.
     pub solves: usize,
 }
@@ -125,8 +130,14 @@ impl PinnedSolver<'_> {
         }
         self.engine.mask(&mut gradient);
         let scale = largest(&forces).max(largest(&self.objective.linear));
-        let stationarity = if scale > 0.0 { largest(&gradient) / scale } else { largest(&gradient) };
-        Minimum { objective: self.objective.value(&x), x, stationarity, solves }
+        let relative = |size: f64| if scale > 0.0 { size / scale } else { size };
+        let stationarity = relative(largest(&gradient));
+        self.objective.addends_into(&x, &mut step, &mut self.engine.scratch);
+        let sizes = gradient.iter().zip(&step).filter(|&(_, &size)| size > 0.0);
+        let backward = sizes.map(|(entry, size)| entry.abs() / size).fold(0.0, f64::max);
+        self.engine.mask(&mut step);
+        let rounding = relative(4.0 * f64::EPSILON * largest(&step));
+        Minimum { objective: self.objective.value(&x), x, stationarity, rounding, backward, solves }
     }
 
     /// The minimiser with other values at the same fixed unknowns; the factor serves for all of them.

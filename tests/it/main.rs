@@ -1,6 +1,7 @@
 //! One test binary that mirrors `src/`.
 #![allow(clippy::unwrap_used, clippy::print_stderr, clippy::print_stdout)]
 
+mod interpolate;
 mod io;
 mod mesh;
 mod monotone;

@@ -17,6 +17,23 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Deform a mesh through poses between key poses; write a ParaView collection with a file a frame.
+    ///
+    /// Frames are independent and run in parallel; each has the same bits for any number of threads. Rotations in the plane are
+    /// blended by angle, so that turns count; quaternions along the shorter arc.
+    ///
+    /// Exit codes: as for 'deform', for all frames together; nothing is written unless every frame is.
+    Animate(Box<crate::animate::AnimateArgs>),
+    /// Deform a planar or solid mesh, an outline or a photograph by handles, so that no element turns inside out.
+    ///
+    /// Rotations of the handles are blended by weights; the shape of least energy that follows them without an inverted element is the
+    /// optimum of a convex problem, and comes with a certificate. The file gets the cell arrays det_F, smallest_eigenvalue,
+    /// energy_density and active_constraint.
+    ///
+    /// Exit codes: 0 if the file written was read back and has no inverted element, as written and rounded to 32 bits, by exact
+    /// predicates; 1 if it has, or if handles contradict each other (then nothing is written without --keep-best or --keep-unaudited);
+    /// 2 for a wrong command line or input. A solver that stops before the asked gap gives a line 'warning:'.
+    Deform(Box<crate::deform::DeformArgs>),
     /// Show what a file holds: data set, arrays, domain, what is wrong with it.
     Info(InfoArgs),
     /// Count the extrema of a field, list their persistence, and show what thresholds would leave.
@@ -69,6 +86,12 @@ pub enum Command {
     Pose(crate::pose::PoseArgs),
     /// Write a data set in another format, with a warning for everything that the format cannot hold.
     Convert(ConvertArgs),
+    /// Write skinning weights: a function a handle, 1 on its own vertices and 0 on those of the others.
+    ///
+    /// Monotone weights have no extremum but at handles; the others are what they are compared with. A handle of several joined
+    /// vertices is one place: an extremum as a whole. Exit codes: 0 if the file written was read back and, for monotone weights, has exactly
+    /// the wanted extrema; 1 if it has not (then nothing is written without --keep-unaudited); 2 for a wrong command line or input.
+    Weights(Box<crate::weights::WeightsArgs>),
 }
 
 /// Which field of which file, on which part of the domain.
@@ -359,6 +382,14 @@ pub struct ConvertArgs {
 
     /// File to write; its extension, one of the same, chooses the format.
     pub output: PathBuf,
+
+    /// Read a .csv file as an outline (columns x and y; an empty line or a column 'ring' parts rings) and fill it with triangles.
+    #[arg(long)]
+    pub outline: bool,
+
+    /// How an outline is filled.
+    #[command(flatten)]
+    pub fill: OutlineArgs,
 
     /// What is said, and threads.
     #[command(flatten)]

@@ -1,12 +1,14 @@
 //! `morsmooth`: parse, resolve, run, report. The only code that prints.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod animate;
 mod args;
 mod by_hand;
 mod check;
 mod complex;
 mod complex_report;
 mod convert;
+mod deform;
 mod diffuse;
 mod diffuse_colours;
 mod extrema;
@@ -20,14 +22,20 @@ mod persistence;
 mod pictures;
 mod pose;
 mod pose_audit;
+mod posed;
 mod report;
 mod series;
 mod series_input;
+mod shape;
+mod shape_file;
+mod shape_pictures;
 mod shape_input;
 mod simplify;
 mod smooth;
 mod table;
 mod talk;
+mod weights;
+mod weights_report;
 mod wishes;
 mod written;
 
@@ -67,6 +75,8 @@ fn main() -> ExitCode {
 
 fn run(command: &Command) -> Result<Outcome, Failure> {
     let threads = match command {
+        Command::Animate(args) => args.talk.threads,
+        Command::Deform(args) => args.talk.threads,
         Command::Info(args) => args.talk.threads,
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
@@ -79,6 +89,7 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Complex(args) => args.talk.threads,
         Command::Convert(args) => args.talk.threads,
         Command::Pose(args) => args.talk.threads,
+        Command::Weights(args) => args.talk.threads,
     };
     if let Some(threads) = threads {
         if threads == 0 {
@@ -90,6 +101,8 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
             .map_err(|error| Failure::usage(format!("{threads} threads could not be started: {error}")))?;
     }
     match command {
+        Command::Animate(args) => animate::run(args),
+        Command::Deform(args) => deform::run(args),
         Command::Info(args) => info::run(args),
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),
@@ -102,5 +115,6 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Complex(args) => complex::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Pose(args) => pose::run(args),
+        Command::Weights(args) => weights::run(args),
     }
 }

@@ -127,10 +127,13 @@ pub fn run(args: &PoseArgs) -> Result<Outcome, Failure> {
     // What is in the file, in its own precision, is what is judged.
     let written = read(pending.path()).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
     let places = written.points_f64();
-    let found = inversions(&scene.domain, &places);
+    let found = match places.len() == scene.dataset.point_count() {
+        true => inversions(&scene.domain, &places),
+        false => Inversions::Unknown("the format keeps no numbers of points".to_owned()),
+    };
     if let Some(directory) = &args.plots {
         talk.stage("pictures");
-        pictures(directory, &scene, &places)?;
+        pictures(directory, &scene, &moved)?;
     }
     let report = report(args, &scene, &pose, &found, begin.elapsed().as_secs_f64());
     if let Some(path) = &args.talk.report {
@@ -247,12 +250,11 @@ fn write(args: &PoseArgs, scene: &Scene, moved: &[[f64; 3]]) -> Result<(PendingF
     Ok((pending, lost))
 }
 
-fn pictures(directory: &Path, scene: &Scene, places: &[[f64; 3]]) -> Result<(), Failure> {
+fn pictures(directory: &Path, scene: &Scene, moved: &[[f64; 3]]) -> Result<(), Failure> {
     let count = scene.handles.len();
     let strongest = |row: &[f64]| (1..row.len()).fold(0, |best, handle| if row[handle] > row[best] { handle } else { best });
     let values: Vec<f64> = scene.weights.chunks_exact(count).map(|row| strongest(row) as f64).collect();
-    let after: Vec<[f64; 3]> = scene.domain.point_of_vertex().iter().map(|&point| places[point as usize]).collect();
-    crate::pictures::shapes(directory, &scene.domain.complex, &after, &values, "number of the handle with the greatest weight")
+    crate::pictures::shapes(directory, &scene.domain.complex, moved, &values, "number of the handle with the greatest weight")
 }
 
 fn report(args: &PoseArgs, scene: &Scene, pose: &Pose, found: &Inversions, seconds: f64) -> serde_json::Value {

@@ -87,6 +87,12 @@ fn quaternions_of_either_sign_blend_alike() {
     let transforms = vec![random_transform(&mut noise), random_transform(&mut noise)];
     let mut negated = transforms.clone();
     negated[1].rotation = Rotation::Quaternion(negated[1].rotation.quaternion().map(|part| -part));
+    let about_z = Rotation::Angle(1.3).quaternion();
+    let [plus, minus] = [about_z, about_z.map(|part| -part)].map(|quaternion| {
+        let pose = Pose { transforms: vec![HandleTransform::REST, turn(Rotation::Quaternion(quaternion), [1.0, 0.0, 0.0])] };
+        dual_quaternion(&[[2.0, 1.0, 0.0]], &[0.5, 0.5], &pose).unwrap()[0]
+    });
+    assert!(distance(plus, minus) < 1e-15, "{plus:?} {minus:?}");
     let (pose, other) = (Pose { transforms }, Pose { transforms: negated });
     let moved = [&pose, &other].map(|pose| dual_quaternion(mesh.points(), &weights, pose).unwrap());
     assert!(moved[0].iter().zip(&moved[1]).all(|(a, b)| distance(*a, *b) < 1e-13));
