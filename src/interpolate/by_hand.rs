@@ -6,7 +6,7 @@ use crate::field::{VertexId, VertexOrder};
 use crate::mesh::SimplicialComplex;
 use crate::monotone::{
     Contradiction, EdgeSet, EnergyWeights, Fitter, Levels, MonotoneConstraints, MonotoneFit, MonotonicityGraph, Precision, Representative,
-    Strictness, ValueRule, harmonic, levels, repair, representative,
+    RepresentativeError, Strictness, ValueRule, harmonic, levels, repair, representative,
 };
 use crate::morse::WantedExtrema;
 use crate::qp::Settings;
@@ -70,9 +70,33 @@ pub fn interpolate_wanted(
     let mut fitter = Fitter::new(complex, operators, interpolator.order())?;
     let pinned = near(&mut fitter, &data, &weights, rules)?;
     let work = Work { complex, wanted, rules, options, range: (low - ROOM * unit, high + ROOM * unit) };
-    let (mut guide, replaced) = work.guide(&pinned)?;
-    let mut fit = work.solve(&mut fitter, (&data, &weights), &guide, &pinned, None)?;
-    let (mut iterations, mut factorizations, mut rounds) = (fit.iterations, fit.factorizations, vec![fit.energy]);
+    let asked: &[Guide] = match options.guide {
+        Guide::Automatic if interpolator.order() > 2 => &[Guide::SmoothThenSimplify, Guide::Harmonic],
+        Guide::Automatic | Guide::SmoothThenSimplify => &[Guide::SmoothThenSimplify],
+        Guide::Harmonic => &[Guide::Harmonic],
+    };
+    let (mut best, mut refusal, mut iterations, mut factorizations) = (None, None, 0, 0);
+    for &asked in asked {
+        let (guide, replaced) = match work.guide(asked, &pinned) {
+            Ok(found) => found,
+            Err(error) => {
+                refusal = refusal.or(Some(error));
+                continue;
+            }
+        };
+        let fit = work.solve(&mut fitter, (&data, &weights), &guide, &pinned, None)?;
+        iterations += fit.iterations;
+        factorizations += fit.factorizations;
+        let is_better = |(_, _, least): &(Along, bool, MonotoneFit)| fit.energy < least.energy;
+        if best.as_ref().is_none_or(is_better) {
+            best = Some((guide, replaced, fit));
+        }
+    }
+    let Some((mut guide, replaced, mut fit)) = best else {
+        // No guide at all: the list of them is not empty.
+        return Err(refusal.unwrap_or(InterpolateError::Count { what: "guides", found: 0, expected: 1 }));
+    };
+    let mut rounds = vec![fit.energy];
     for _ in 0..options.refine {
         let strict = work.strict(&guide.0, &fit, Precision::F64)?;
         let Ok(next_guide) = work.along(VertexOrder::of_values(&strict)?) else { break };
@@ -123,20 +147,18 @@ type Along = (MonotonicityGraph, Levels);
 
 impl Work<'_> {
     /// Directions from the smooth function, or, where the wanted values contradict its order, from the harmonic one.
-    fn guide(&self, pinned: &[f64]) -> Result<(Along, bool), InterpolateError> {
+    fn guide(&self, asked: Guide, pinned: &[f64]) -> Result<(Along, bool), InterpolateError> {
         let smooth = || representative(self.complex, &VertexOrder::of_values(pinned)?, self.wanted);
-        let asked: Representative = match self.options.guide {
-            Guide::SmoothThenSimplify => smooth()?,
-            Guide::Harmonic => harmonic(self.complex, self.wanted)?,
+        let by = |is_harmonic: bool| -> Result<Representative, RepresentativeError> {
+            if is_harmonic { harmonic(self.complex, self.wanted) } else { smooth() }
         };
+        let is_harmonic = asked == Guide::Harmonic;
+        let asked = by(is_harmonic)?;
         let found = match self.along(asked.order) {
             Ok(along) => return Ok((along, asked.replaced)),
             Err(found) => found,
         };
-        let other = match self.options.guide {
-            Guide::SmoothThenSimplify => harmonic(self.complex, self.wanted)?,
-            Guide::Harmonic => smooth()?,
-        };
+        let other = by(!is_harmonic)?;
         self.along(other.order).map(|along| (along, true)).map_err(|_| InterpolateError::Contradiction {
             low: found.low,
             low_value: found.low_value,

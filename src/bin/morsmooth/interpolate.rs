@@ -51,8 +51,8 @@ pub struct InterpolateArgs {
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
     pub order: u8,
 
-    /// Take the directions of edges from the harmonic function, as the paper does, instead of the smooth one.
-    #[arg(long, value_enum, default_value_t = GuideKind::Smooth)]
+    /// The function from which edges take their directions.
+    #[arg(long, value_enum, default_value_t = GuideKind::Automatic)]
     pub guide: GuideKind,
 
     /// Rounds in which the solution becomes the representative function of the next.
@@ -112,6 +112,8 @@ impl MethodKind {
 /// Values of `--guide`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum GuideKind {
+    /// For orders 1 and 2 the smooth function, for 3 and 4 the better of both.
+    Automatic,
     /// The smooth function, simplified.
     Smooth,
     /// The harmonic function.
@@ -238,6 +240,7 @@ fn solve(args: &InterpolateArgs, input: &FieldInput, wishes: &[HandWish]) -> Res
     let (extrema, rules) = wanted(wishes, complex.vertex_count());
     let options = InterpolateOptions {
         guide: match args.guide {
+            GuideKind::Automatic => Guide::Automatic,
             GuideKind::Smooth => Guide::SmoothThenSimplify,
             GuideKind::Harmonic => Guide::Harmonic,
         },

@@ -8,7 +8,7 @@ use morsmooth::audit::{AuditReport, Plateaus};
 use morsmooth::field::VertexId;
 use morsmooth::io::{PendingFile, Table};
 use morsmooth::plot::{PlaceKind, SeriesChart, write_atomically};
-use morsmooth::smooth::{MeasuredField, Smoothed, Smoother, SmoothOptions, select_extrema};
+use morsmooth::smooth::{MeasuredField, Selected, SmoothOptions, Smoothed, Smoother, select_extrema};
 use serde_json::{Value, json};
 
 use crate::Outcome;
@@ -267,16 +267,27 @@ fn smooth<'a>(
     for place in 0..plan.wishes.len() {
         let selection = plan.wishes[place].selection.clone();
         let mut spikes = named_spikes(args, table, series)?;
-        if args.spikes.is_some() {
+        let mut corners = Vec::new();
+        if args.select == SelectKind::Data {
             let field = MeasuredField::new(complex, input.values.clone()).map_err(|error| input.smooth_failure(&error))?;
-            let wanted = select_extrema(complex, &field, &selection).map_err(|error| input.smooth_failure(&error))?.wanted;
-            spikes.extend(wanted.minima.iter().chain(&wanted.maxima));
+            let Selected { wanted, unavoidable } =
+                select_extrema(complex, &field, &selection).map_err(|error| input.smooth_failure(&error))?;
+            if args.spikes.is_some() {
+                spikes.extend(wanted.minima.iter().chain(&wanted.maxima));
+            }
+            // The last step of the noise at an end, which only is an extremum because every line ends in one, would bend the whole
+            // series: its energy is that of a feature as long as one step.
+            for &end in &unavoidable {
+                corners.push(end);
+                corners.extend(complex.neighbours(end));
+            }
         }
         spikes.sort_unstable();
         spikes.dedup();
-        plan.smoothness = (!spikes.is_empty()).then(|| {
+        corners.extend(&spikes);
+        plan.smoothness = (!corners.is_empty()).then(|| {
             let mut smoothness = vec![1.0; complex.vertex_count()];
-            spikes.iter().for_each(|spike| smoothness[spike.index()] = 0.0);
+            corners.iter().for_each(|corner| smoothness[corner.index()] = 0.0);
             smoothness
         });
         let options = SmoothOptions { selection, ..options(smooth_args, &plan)? };

@@ -94,7 +94,7 @@ impl SeriesTable {
         let mut all: Vec<usize> = (0..values.len()).collect();
         all.sort_by(|&a, &b| places[a].total_cmp(&places[b]));
         let present: Vec<usize> = all.iter().copied().filter(|&row| !values[row].is_nan()).collect();
-        let (Some(first), Some(last)) = (present.first(), present.last()).clone() else {
+        let (Some(first), Some(last)) = (present.first(), present.last()) else {
             return Err(Failure::file(&args.input, format!("column '{name}' has no value; expected some")));
         };
         if present.len() < 2 {
