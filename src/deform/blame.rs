@@ -27,11 +27,17 @@ impl Blame {
     /// Names the elements of a certificate and the handles around them.
     pub(super) fn new(certificate: &Certificate, rest: &RestShape, held: &HeldVertices, is_hard: bool) -> Self {
         // Relaxations are few where the ray spreads over many.
-        let mut loaded: Vec<(usize, f64)> = if certificate.relaxations.is_empty() {
+        let loaded = if certificate.relaxations.is_empty() {
             certificate.constraints.iter().copied().zip(certificate.multipliers.iter().copied()).collect()
         } else {
             certificate.relaxations.clone()
         };
+        let blame = Self::of_elements(loaded, rest, held);
+        Self { is_of_handles: is_hard, is_exact: certificate.least_objective.is_none(), ..blame }
+    }
+
+    /// Sorts loaded elements and names the handles around them; no proof.
+    pub(super) fn of_elements(mut loaded: Vec<(usize, f64)>, rest: &RestShape, held: &HeldVertices) -> Self {
         let most = loaded.iter().map(|&(_, load)| load).fold(f64::MIN_POSITIVE, f64::max);
         loaded.retain(|&(_, load)| load >= NAMED * most);
         loaded.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
@@ -42,8 +48,8 @@ impl Blame {
             handles,
             loads: loaded.iter().map(|&(_, load)| load / most).collect(),
             elements,
-            is_of_handles: is_hard,
-            is_exact: certificate.least_objective.is_none(),
+            is_of_handles: false,
+            is_exact: false,
         }
     }
 }

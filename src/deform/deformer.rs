@@ -80,8 +80,15 @@ impl Deformer {
     /// # Cost
     /// O(m log m) for m elements.
     pub fn new(complex: &SimplicialComplex, handles: &[VertexId], options: DeformOptions) -> Result<Self, DeformError> {
+        Self::with_rest(RestShape::new(complex)?, handles, options)
+    }
+
+    /// As [`Deformer::new`], with a rest shape of one's own, such as [`RestShape::untangled`].
+    ///
+    /// # Errors
+    /// As [`Deformer::new`].
+    pub fn with_rest(rest: RestShape, handles: &[VertexId], options: DeformOptions) -> Result<Self, DeformError> {
         check_options(options)?;
-        let rest = RestShape::new(complex)?;
         let dimension = rest.dimension();
         let entries = rest.element_count() * cones::block(dimension) * (dimension + 1) * dimension;
         if u32::try_from(entries).is_err() {

@@ -26,6 +26,7 @@ mod cones;
 mod deformer;
 mod energy;
 mod error;
+mod feasibility;
 mod held;
 mod options;
 mod orientation;

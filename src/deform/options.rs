@@ -62,11 +62,11 @@ pub struct SolveOptions {
 }
 
 impl Default for SolveOptions {
-    /// The interior point to a relative gap of 1e-7, from a cold start, for the given rotations.
+    /// The interior point to a relative gap of 1e-6, from a cold start, for the given rotations.
     fn default() -> Self {
         Self {
             method: SolveMethod::InteriorPoint,
-            settings: Settings { relative_gap: 1e-7, ..Settings::default() },
+            settings: Settings { relative_gap: 1e-6, ..Settings::default() },
             rounds: 0,
             begin: Begin::Cold,
             on_contradiction: OnContradiction::Name,

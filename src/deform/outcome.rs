@@ -3,7 +3,7 @@
 use super::{Blame, DeformEnergy, SolveMethod};
 use crate::audit::OrientationReport;
 use crate::field::VertexId;
-use crate::qp::KktResiduals;
+use crate::qp::{FactorPrecision, KktResiduals, Solution};
 
 /// How a deformation ended. Only [`DeformStatus::Certified`] is success.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -84,6 +84,18 @@ pub struct Effort {
     pub seconds: f64,
 }
 
+impl Effort {
+    /// Counts one more solve.
+    pub(super) fn add(&mut self, solution: &Solution) {
+        self.problems += 1;
+        self.iterations += solution.iterations;
+        self.factorizations += solution.factorizations;
+        self.solves += solution.solves;
+        self.factor_seconds += solution.timings.factor;
+        self.seconds += solution.timings.total;
+    }
+}
+
 /// A deformed shape with its evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deformed {
@@ -95,6 +107,11 @@ pub struct Deformed {
     pub rotations: Vec<[[f64; 3]; 3]>,
     /// How it ended.
     pub status: DeformStatus,
+    /// Elements and handles to look at where the end is not a certified shape: those of the contradiction, or the elements whose cone does
+    /// not hold.
+    pub suspects: Option<Blame>,
+    /// The numbers that the factor was made of at the end.
+    pub factor: FactorPrecision,
     /// What was solved instead, where that was asked for after a contradiction. Certificate, energy and elements are those of the substitute.
     pub substitute: Option<Substitute>,
     /// The parts of the energy.

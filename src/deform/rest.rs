@@ -3,7 +3,8 @@
 use super::DeformError;
 use super::orientation::inverted;
 use crate::field::VertexId;
-use crate::mesh::SimplicialComplex;
+use crate::linalg::small::symmetric_eigen;
+use crate::mesh::{SimplicialComplex, dot, minus};
 use crate::operators::dual_basis;
 use rayon::prelude::*;
 
@@ -38,6 +39,21 @@ impl RestShape {
     /// # Cost
     /// O(m log m) for m elements; 100 bytes a triangle, 150 a tetrahedron.
     pub fn new(complex: &SimplicialComplex) -> Result<Self, DeformError> {
+        let rest = Self::untangled(complex)?;
+        if rest.folded.is_empty() { Ok(rest) } else { Err(DeformError::Inverted { elements: rest.folded }) }
+    }
+
+    /// Reads a mesh that may have elements folded over their neighbours; a folded element's rest shape is its mirror image.
+    ///
+    /// Of all mirror images the nearest is taken, across the line or plane through the element's middle in which it is widest, so that
+    /// the identity asks for the least movement. Solving for any rotations then turns folded elements right side out.
+    ///
+    /// # Errors
+    /// As [`RestShape::new`], [`DeformError::Inverted`] excepted.
+    ///
+    /// # Cost
+    /// As [`RestShape::new`].
+    pub fn untangled(complex: &SimplicialComplex) -> Result<Self, DeformError> {
         let dimension = complex.dimension();
         if dimension < 2 {
             return Err(DeformError::Dimension { found: dimension });
@@ -54,10 +70,7 @@ impl RestShape {
         }
         let elements = (0..complex.simplex_count()).into_par_iter().with_min_len(CHUNK);
         let measures: Vec<f64> = elements.clone().map(|element| complex.measure(element)).collect();
-        let wrong = inverted(complex, &measures);
-        if !wrong.is_empty() {
-            return Err(DeformError::Inverted { elements: wrong });
-        }
+        let folded = inverted(complex, &measures);
         let stride = dimension + 1;
         let mut corners = complex.simplices().to_vec();
         let mut gradients = vec![[0.0; 3]; corners.len()];
@@ -67,6 +80,13 @@ impl RestShape {
                 gradients[0][axis] = -dual[..dimension].iter().map(|gradient| gradient[axis]).sum::<f64>();
             }
             gradients[1..].copy_from_slice(&dual[..dimension]);
+            if folded.binary_search(&element).is_ok() {
+                let normal = thinnest(dimension, corners.iter().map(|&vertex| points[vertex as usize]));
+                for gradient in gradients.iter_mut() {
+                    let off = 2.0 * dot(*gradient, normal);
+                    gradient.iter_mut().zip(normal).for_each(|(slot, part)| *slot -= off * part);
+                }
+            }
             // By rising vertex, as rows of matrices want them.
             for last in (1..stride).rev() {
                 for place in 0..last {
@@ -80,7 +100,7 @@ impl RestShape {
         if let Some(place) = gradients.iter().position(|gradient| !gradient.iter().all(|part| part.is_finite())) {
             return Err(DeformError::Scale { element: place / stride });
         }
-        Ok(Self { dimension, points, folded: Vec::new(), corners, gradients, measures, parts: complex.components().0 })
+        Ok(Self { dimension, points, folded, corners, gradients, measures, parts: complex.components().0 })
     }
 
     /// 2 or 3.
@@ -160,6 +180,28 @@ impl RestShape {
         }
         first
     }
+}
+
+/// The direction in which some places are spread least, a unit vector; in 2-D within the plane.
+fn thinnest(dimension: usize, places: impl Iterator<Item = [f64; 3]> + Clone) -> [f64; 3] {
+    let count = places.clone().count().max(1) as f64;
+    let mut middle = [0.0; 3];
+    for place in places.clone() {
+        middle.iter_mut().zip(place).for_each(|(slot, part)| *slot += part / count);
+    }
+    let mut spread = [[0.0; 3]; 3];
+    for place in places {
+        let off = minus(place, middle);
+        for (row, first) in spread.iter_mut().zip(off) {
+            row.iter_mut().zip(off).for_each(|(slot, second)| *slot += first * second);
+        }
+    }
+    if dimension == 2 {
+        let [[a, b, _], [_, c, _], _] = spread;
+        let vectors = symmetric_eigen(&[[a, b], [b, c]]).1;
+        return [vectors[0][0], vectors[1][0], 0.0];
+    }
+    symmetric_eigen(&spread).1.map(|row| row[0])
 }
 
 pub(super) fn finite(what: &'static str, values: &[f64]) -> Result<(), DeformError> {

@@ -1,13 +1,19 @@
 //! Solves deformations one after the other: the rest shape is analysed once, a moved handle costs iterations only.
 
 use super::{
-    Begin, Blame, DeformError, DeformOptions, DeformStatus, Deformed, Deformer, Effort, ElementReport, HandlePlace, HeldVertices, Hold,
-    OnContradiction, SolveMethod, SolveOptions, nearest_rotations,
+    Begin, Blame, DeformError, DeformOptions, DeformStatus, Deformed, Deformer, Effort, ElementReport, FactorChoice, HandlePlace, HeldVertices, Hold,
+    OnContradiction, RestShape, SolveMethod, SolveOptions, nearest_rotations,
 };
 use crate::audit::{Precision, orientations};
 use crate::linalg::small::{from_scaled, scaled_length, smallest_eigenvalue};
 use crate::mesh::SimplicialComplex;
-use crate::qp::{Engine, Iterate, PenaltyOptions, Problem, QpStatus, Solution};
+use crate::qp::{Engine, FactorPrecision, Iterate, PenaltyOptions, Problem, QpStatus, Solution};
+
+/// Operations of a factorisation from which single precision pays although it needs more solves.
+const HEAVY: f64 = 1e11;
+
+/// Slack, in units of F, from which on no cone counts as active: where nothing is held back all multipliers are tiny alike.
+const NEAR: f64 = 1e-3;
 
 /// An iterate of a solve, shown while it runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +51,7 @@ pub struct DeformSolver {
     pub(super) complex: SimplicialComplex,
     pub(super) held: HeldVertices,
     pub(super) deformer: Deformer,
-    engine: Engine,
+    pub(super) engine: Engine,
     /// Near the end of the last solve. Its displacements are counted from targets and rest positions: held vertices move along.
     last: Option<Iterate>,
 }
@@ -69,8 +75,21 @@ impl DeformSolver {
     /// # Cost
     /// About one numeric factorisation.
     pub fn new(complex: &SimplicialComplex, held: HeldVertices, options: DeformOptions) -> Result<Self, DeformError> {
+        Self::with_rest(complex, RestShape::new(complex)?, held, options)
+    }
+
+    /// As [`DeformSolver::new`], with a rest shape of one's own, such as [`RestShape::untangled`].
+    ///
+    /// # Errors
+    /// As [`DeformSolver::new`].
+    pub fn with_rest(
+        complex: &SimplicialComplex,
+        rest: RestShape,
+        held: HeldVertices,
+        options: DeformOptions,
+    ) -> Result<Self, DeformError> {
         held.check()?;
-        let deformer = Deformer::new(complex, &held.vertices, options)?;
+        let deformer = Deformer::with_rest(rest, &held.vertices, options)?;
         let rotations = vec![[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; complex.simplex_count()];
         let targets: Vec<[f64; 3]> = held.vertices.iter().map(|vertex| complex.points()[vertex.index()]).collect();
         // Rotations and targets move numbers but no pattern.
@@ -103,6 +122,32 @@ impl DeformSolver {
         &self.held
     }
 
+    /// Chooses the numbers that the factor is made of.
+    ///
+    /// # Arguments
+    /// * `memory`: bytes that the factor may take; [`FactorChoice::Automatic`] falls back to 32 bits beyond that.
+    pub fn choose_factor(&mut self, choice: FactorChoice, memory: usize) {
+        let fits = self.engine.factor_bytes(FactorPrecision::Double) <= memory;
+        self.engine.set_precision(match choice {
+            FactorChoice::Double => FactorPrecision::Double,
+            FactorChoice::Single => FactorPrecision::Single,
+            FactorChoice::Automatic if !fits => FactorPrecision::Single,
+            FactorChoice::Automatic if self.engine.factor_flops() > HEAVY => FactorPrecision::Adaptive,
+            FactorChoice::Automatic => FactorPrecision::Double,
+        });
+    }
+
+    /// Operations of a factorisation, and bytes of a factor in double and in single precision with its work memory, estimated.
+    pub fn factor_cost(&self) -> (f64, [usize; 2]) {
+        let bytes = [FactorPrecision::Double, FactorPrecision::Single].map(|precision| self.engine.factor_bytes(precision));
+        (self.engine.factor_flops(), bytes)
+    }
+
+    /// The numbers that the factor is made of.
+    pub fn precision(&self) -> FactorPrecision {
+        self.engine.precision()
+    }
+
     /// Nonzeros of the factor.
     pub fn factor_entries(&self) -> usize {
         self.engine.factor_entries()
@@ -132,24 +177,26 @@ impl DeformSolver {
     ) -> Result<Deformed, DeformError> {
         let mut effort = Effort { factor_entries: self.engine.factor_entries(), ..Effort::default() };
         let mut rotations = rotations.to_vec();
-        let mut solved = self.solve_once(&rotations, targets, options, (&mut effort, preview))?;
+        let mut solved = self.decided(&rotations, targets, options, (&mut effort, preview))?;
         for _ in 0..options.rounds {
             if solved.solution.status != QpStatus::Solved {
                 break;
             }
             rotations = nearest_rotations(&self.deformer.rest().deformation_gradients(&solved.positions)?);
-            let warm = SolveOptions { begin: Begin::Cold, ..*options };
-            solved = self.solve_once(&rotations, targets, &warm, (&mut effort, preview))?;
+            let again = SolveOptions { begin: Begin::Cold, ..*options };
+            solved = self.decided(&rotations, targets, &again, (&mut effort, preview))?;
         }
-        if let QpStatus::Infeasible(certificate) = &solved.solution.status {
-            let is_hard = self.deformer.options().hold == Hold::Hard;
-            let blame = Blame::new(certificate, self.deformer.rest(), &self.held, is_hard);
-            if options.on_contradiction == OnContradiction::KeepBest {
-                return self.closest((&rotations, targets), blame, solved, options, (effort, preview));
+        let is_hard = self.deformer.options().hold == Hold::Hard;
+        let status = match &solved.solution.status {
+            QpStatus::Solved => DeformStatus::Certified,
+            QpStatus::Infeasible(found) => {
+                DeformStatus::Contradiction(Blame::new(found, self.deformer.rest(), &self.held, is_hard))
             }
-            return self.report(DeformStatus::Contradiction(blame), (rotations, targets), solved, options, effort);
+            QpStatus::IterationLimit | QpStatus::Stalled => DeformStatus::Uncertified,
+        };
+        if options.on_contradiction == OnContradiction::KeepBest && !self.is_usable(&solved)? {
+            return self.closest((&rotations, targets), status, solved, options, (effort, preview));
         }
-        let status = if solved.solution.status == QpStatus::Solved { DeformStatus::Certified } else { DeformStatus::Uncertified };
         self.report(status, (rotations, targets), solved, options, effort)
     }
 
@@ -187,12 +234,7 @@ impl DeformSolver {
         if solution.restart.is_some() {
             self.last.clone_from(&solution.restart);
         }
-        effort.problems += 1;
-        effort.iterations += solution.iterations;
-        effort.factorizations += solution.factorizations;
-        effort.solves += solution.solves;
-        effort.factor_seconds += solution.timings.factor;
-        effort.seconds += solution.timings.total;
+        effort.add(&solution);
         let positions = self.deformer.positions(targets, &solution.x)?;
         Ok(Solved { solution, positions })
     }
@@ -226,6 +268,16 @@ impl DeformSolver {
             let square: f64 = (0..dimension).map(|axis| (achieved[axis] - asked[axis]).powi(2)).sum();
             HandlePlace { vertex, asked, achieved, distance: square.sqrt() }
         });
+        let suspects = match &status {
+            DeformStatus::Certified => None,
+            DeformStatus::Contradiction(blame) => Some(blame.clone()),
+            DeformStatus::Uncertified | DeformStatus::Inverted => {
+                let margins = self.deformer.margins(targets);
+                let smallest = rest.smallest_eigenvalues(&rotations, &positions)?;
+                let short = smallest.iter().zip(&margins).map(|(least, margin)| margin - least).enumerate();
+                Some(Blame::of_elements(short.filter(|&(_, short)| short > 0.0).collect(), rest, &self.held))
+            }
+        };
         let elements = ElementReport {
             determinants: rest.determinants(&positions)?,
             smallest_eigenvalues: rest.smallest_eigenvalues(&rotations, &positions)?,
@@ -237,6 +289,8 @@ impl DeformSolver {
             energy: self.deformer.energy(&rotations, targets, &positions)?,
             certificate: solution.kkt,
             status,
+            suspects,
+            factor: self.engine.precision(),
             substitute: None,
             elements,
             audit,
@@ -257,7 +311,7 @@ impl DeformSolver {
     }
 }
 
-/// Blocks whose multiplier, in units of the largest one, outweighs their slack.
+/// Blocks near the boundary of their cone whose multiplier, in units of the largest one, outweighs their slack.
 fn active(solution: &Solution, dimension: usize) -> Vec<bool> {
     if dimension == 2 { outweighed::<2>(solution) } else { outweighed::<3>(solution) }
 }
@@ -267,5 +321,9 @@ fn outweighed<const D: usize>(solution: &Solution) -> Vec<bool> {
     let blocks = || solution.dual.chunks(scaled_length(D));
     let most = blocks().map(trace).fold(0.0, f64::max);
     let slacks = solution.slack.chunks(scaled_length(D));
-    blocks().zip(slacks).map(|(z, s)| trace(z) > most * smallest_eigenvalue(&from_scaled::<D>(s))).collect()
+    let is_active = |(z, s): (&[f64], &[f64])| {
+        let least = smallest_eigenvalue(&from_scaled::<D>(s));
+        least < NEAR && trace(z) > most * least
+    };
+    blocks().zip(slacks).map(is_active).collect()
 }

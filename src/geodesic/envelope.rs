@@ -18,23 +18,59 @@ pub(super) struct Entry {
 /// The windows of one side, by rising place, without overlap.
 pub(super) type Envelope = Vec<Entry>;
 
-/// Takes a window into an envelope as far as it is nearer than what is there.
+/// Takes windows into an envelope as far as they are nearer than what is there.
 ///
 /// # Arguments
+/// * `windows`: in any order; fastest by rising place. They may overlap: rays from different points cross in a triangle.
+/// * `length`: of the side.
 /// * `scratch`: work memory, any contents.
-///
-/// # Returns
-/// Whether any part of it was taken.
-pub(super) fn insert(envelope: &mut Envelope, window: &Window, length: f64, scratch: &mut Envelope) -> bool {
+pub(super) fn insert_all(envelope: &mut Envelope, windows: &[Window], length: f64, scratch: &mut Envelope) {
+    let sliver = SLIVER * length;
+    let mut rest = windows;
+    let mut near = envelope.len();
+    while let Some(window) = rest.first() {
+        let place = seek(envelope, near, window.begin + sliver);
+        // As many as fit in before the next window that is there.
+        let limit = envelope.get(place).map_or(f64::INFINITY, |entry| entry.window.begin) + sliver;
+        let mut at = f64::NEG_INFINITY;
+        let mut fits = |window: &Window| std::mem::replace(&mut at, window.end) <= window.begin + sliver && window.end <= limit;
+        let count = rest.iter().position(|window| !fits(window)).unwrap_or(rest.len());
+        if count == 0 {
+            insert(envelope, place, window, length, scratch);
+            (near, rest) = (place, &rest[1..]);
+            continue;
+        }
+        let fresh = rest[..count].iter().filter(|window| window.end - window.begin > sliver);
+        let fresh = fresh.map(|&window| Entry { window, is_pending: true });
+        if place == envelope.len() {
+            envelope.extend(fresh);
+        } else {
+            envelope.splice(place..place, fresh);
+        }
+        (near, rest) = (place, &rest[count..]);
+    }
+}
+
+/// The first entry that ends after `at`, sought from the entry `near` on.
+fn seek(envelope: &Envelope, near: usize, at: f64) -> usize {
+    let is_before = |entry: &Entry| entry.window.end <= at;
+    if near > 0 && !is_before(&envelope[near - 1]) {
+        return envelope[..near - 1].partition_point(is_before);
+    }
+    near + envelope[near..].iter().position(|entry| !is_before(entry)).unwrap_or(envelope.len() - near)
+}
+
+/// Takes one window into an envelope as far as it is nearer than what is there; `first` is the first entry that ends after its begin.
+fn insert(envelope: &mut Envelope, first: usize, window: &Window, length: f64, scratch: &mut Envelope) {
     let sliver = SLIVER * length;
     if window.end - window.begin <= sliver {
-        return false;
+        return;
     }
-    let first = envelope.partition_point(|entry| entry.window.end <= window.begin + sliver);
-    let last = first + envelope[first..].partition_point(|entry| entry.window.begin < window.end - sliver);
+    let overlap = envelope[first..].iter().position(|entry| entry.window.begin >= window.end - sliver);
+    let last = overlap.map_or(envelope.len(), |count| first + count);
     if first == last {
         envelope.insert(first, Entry { window: *window, is_pending: true });
-        return true;
+        return;
     }
     scratch.clear();
     let mut is_taken = false;
@@ -80,7 +116,6 @@ pub(super) fn insert(envelope: &mut Envelope, window: &Window, length: f64, scra
     if is_taken {
         envelope.splice(first..last, scratch.iter().copied());
     }
-    is_taken
 }
 
 /// Appends a part of a window, joined to the last one if that is the same window.
@@ -141,21 +176,24 @@ fn compare(new: &Window, old: &Window, low: f64, high: f64) -> Cut {
 
 /// Where two windows are equally near, if one is nearer at `low` and the other at `high`.
 fn crossing(new: &Window, old: &Window, mut low: f64, mut high: f64, is_low_new: bool) -> f64 {
-    let gain = |at: f64| if is_low_new { old.distance(at) - new.distance(at) } else { new.distance(at) - old.distance(at) };
-    let enough = 1e-12 * (new.sigma + old.sigma + (high - low));
-    if let Some(roots) = roots(new, old) {
-        for root in roots {
-            if low < root && root < high && gain(root).abs() <= enough {
-                return root;
-            }
+    // Rises or falls through 0 from `low`, where it is positive, to `high`.
+    let sign = if is_low_new { 1.0 } else { -1.0 };
+    let enough = 1e-13 * (new.sigma + old.sigma + (high - low));
+    let inside = roots(new, old).into_iter().flatten().find(|root| low < *root && *root < high);
+    let mut at = inside.unwrap_or(low + (high - low) / 2.0);
+    // Newton's method within the bracket; rounding spoils the roots of nearly straight or nearly touching borders.
+    for _ in 0..40 {
+        let (r_new, r_old) = (hypot(at - new.x, new.y), hypot(at - old.x, old.y));
+        let gain = sign * ((old.sigma - new.sigma) + (r_old - r_new));
+        if gain.abs() <= enough {
+            break;
         }
+        if gain > 0.0 { low = at } else { high = at }
+        let slope = sign * ((at - old.x) / r_old - (at - new.x) / r_new);
+        let step = at - gain / slope;
+        at = if low < step && step < high { step } else { low + (high - low) / 2.0 };
     }
-    // Rounding spoiled the roots of nearly straight or nearly touching borders.
-    for _ in 0..60 {
-        let middle = low + (high - low) / 2.0;
-        if gain(middle) > 0.0 { low = middle } else { high = middle }
-    }
-    low
+    at
 }
 
 /// Where the bisector of two weighted points crosses the side, or its mirror image does, rising.

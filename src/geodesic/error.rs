@@ -85,6 +85,12 @@ pub enum GeodesicError {
         /// Its value.
         found: f64,
     },
+    /// So little heat arrives somewhere that its direction is lost.
+    #[error("no heat arrives at vertex {}; expected some everywhere: take a longer time or the exact method", vertex.0)]
+    HeatVanished {
+        /// The first such vertex.
+        vertex: VertexId,
+    },
     /// A triangle or tetrahedron has no area or volume, or the operators of the heat method could not be built.
     #[error(transparent)]
     Operator(#[from] OperatorError),

@@ -44,7 +44,7 @@ impl SurfacePoint {
     }
 
     /// Vertices and weights of the point.
-    fn corners(&self, complex: &SimplicialComplex) -> Vec<(VertexId, f64)> {
+    pub(super) fn corners(&self, complex: &SimplicialComplex) -> Vec<(VertexId, f64)> {
         match *self {
             Self::Vertex(vertex) => vec![(vertex, 1.0)],
             Self::Edge { edge, share } => {

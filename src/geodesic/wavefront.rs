@@ -3,11 +3,11 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::envelope::{Envelope, insert};
+use super::envelope::{Envelope, insert_all};
 use super::source::SurfacePoint;
 use super::surface::{Link, Side, Surface};
 use super::turn::sectors;
-use super::window::{Window, hypot, pass};
+use super::window::{Crossing, Window, hypot};
 use crate::mesh::SimplicialComplex;
 
 /// A way that is shorter by less than this part changes nothing.
@@ -35,7 +35,33 @@ pub(super) struct Wavefront<'a> {
     /// Sides, and after them vertices, by the least distance to be carried on.
     queue: BinaryHeap<Reverse<(u64, u32)>>,
     batch: Vec<Window>,
+    left: Leaving,
+    right: Leaving,
     scratch: Envelope,
+}
+
+/// Windows that leave a triangle through one side, by rising place, and their least distance.
+struct Leaving {
+    windows: Vec<Window>,
+    least: f64,
+}
+
+impl Default for Leaving {
+    fn default() -> Self {
+        Self { windows: Vec::new(), least: f64::INFINITY }
+    }
+}
+
+impl Leaving {
+    /// Adds a window, unless it is beaten: told from the distances at its ends.
+    #[inline]
+    fn add(&mut self, window: Window, is_beaten: impl Fn([f64; 2]) -> bool) {
+        let ends = [window.distance(window.begin), window.distance(window.end)];
+        if !is_beaten(ends) {
+            self.least = self.least.min(window.least(ends[0], ends[1]));
+            self.windows.push(window);
+        }
+    }
 }
 
 impl<'a> Wavefront<'a> {
@@ -51,6 +77,8 @@ impl<'a> Wavefront<'a> {
             waiting: vec![f64::INFINITY; surface.sides.len()],
             queue: BinaryHeap::new(),
             batch: Vec::new(),
+            left: Leaving::default(),
+            right: Leaving::default(),
             scratch: Vec::new(),
         };
         for source in sources {
@@ -129,61 +157,70 @@ impl<'a> Wavefront<'a> {
         self.reach(c, along, Some(Arrival { side: number, from: [0.0, 0.0] }));
         let along = self.distances[b as usize] + side.right_length;
         self.reach(c, along, Some(Arrival { side: number, from: [side.length, 0.0] }));
+        let crossing = Crossing::new(side);
+        let (mut left, mut right) = (std::mem::take(&mut self.left), std::mem::take(&mut self.right));
         for window in &batch {
-            let passage = pass(side, window);
+            let passage = crossing.pass(window);
             if let Some(distance) = passage.apex {
                 self.reach(c, distance, Some(Arrival { side: number, from: [window.x, window.y] }));
             }
-            if let Some(child) = passage.left
-                && !self.is_beaten_left(side, &child)
-            {
-                self.enter(side.left, child, side.left_length);
+            if let Some(child) = passage.left {
+                left.add(child, |ends| self.is_beaten_left(side, &child, ends));
             }
-            if let Some(child) = passage.right
-                && !self.is_beaten_right(side, &child)
-            {
-                self.enter(side.right, child, side.right_length);
+            if let Some(child) = passage.right {
+                right.add(child, |ends| self.is_beaten_right(side, &child, ends));
             }
         }
-        self.batch = batch;
+        self.enter(side.left, &mut left, side.left_length);
+        self.enter(side.right, &mut right, side.right_length);
+        (self.batch, self.left, self.right) = (batch, left, right);
     }
 
     /// Whether no shortest path leaves through a window of the side from `a` to `c`, because a vertex offers a shorter way to every ray.
     ///
-    /// The ray to a place at the far end is longer than the way over `a` along the side; then so is every other ray of the window, by the
+    /// The ray to the far end is longer than the way over `a` along the side; then so is every other ray of the window, by the
     /// triangle inequality; likewise over `c` to the near end; and the way from `b` to the near end crosses every ray.
-    fn is_beaten_left(&self, side: &Side, child: &Window) -> bool {
+    ///
+    /// # Arguments
+    /// * `near`, `far`: distances at the begin and the end of the window.
+    #[inline]
+    fn is_beaten_left(&self, side: &Side, child: &Window, [near, far]: [f64; 2]) -> bool {
         let [a, b, c] = side.corners.map(|corner| self.distances[corner as usize]);
         let part = child.begin / side.left_length;
-        let (near, far) = (child.distance(child.begin), child.distance(child.end));
         a + child.end < far * (1.0 - FILTER)
             || c + (side.left_length - child.begin) < near * (1.0 - FILTER)
             || b + hypot(side.length - part * side.apex[0], part * side.apex[1]) < near * (1.0 - FILTER)
     }
 
     /// The same for the side from `c` to `b`.
-    fn is_beaten_right(&self, side: &Side, child: &Window) -> bool {
+    #[inline]
+    fn is_beaten_right(&self, side: &Side, child: &Window, [far, near]: [f64; 2]) -> bool {
         let [a, b, c] = side.corners.map(|corner| self.distances[corner as usize]);
         let part = child.end / side.right_length;
-        let (near, far) = (child.distance(child.end), child.distance(child.begin));
         c + child.end < near * (1.0 - FILTER)
             || b + (side.right_length - child.begin) < far * (1.0 - FILTER)
             || a + hypot(side.apex[0] + part * (side.length - side.apex[0]), (1.0 - part) * side.apex[1]) < near * (1.0 - FILTER)
     }
 
-    /// Lets a window into the neighbour behind a link.
-    fn enter(&mut self, link: Link, window: Window, length: f64) {
-        let Some((number, is_same_way)) = link.get() else { return };
-        // The neighbour counts places from the other end if it runs the same way as this triangle's own turn.
-        let window = if is_same_way { window.turned(length) } else { window };
-        let number = number as usize;
-        if insert(&mut self.envelopes[number], &window, length, &mut self.scratch) {
-            let key = window.least();
-            if key < self.waiting[number] {
-                self.waiting[number] = key;
-                self.queue.push(Reverse((key.to_bits(), number as u32)));
+    /// Lets windows into the neighbour behind a link, and forgets them.
+    fn enter(&mut self, link: Link, leaving: &mut Leaving, length: f64) {
+        if let Some((number, is_same_way)) = link.get()
+            && !leaving.windows.is_empty()
+        {
+            if is_same_way {
+                // The neighbour counts places from the other end.
+                leaving.windows.iter_mut().for_each(|window| *window = window.turned(length));
+                leaving.windows.reverse();
+            }
+            let place = number as usize;
+            insert_all(&mut self.envelopes[place], &leaving.windows, length, &mut self.scratch);
+            if leaving.least < self.waiting[place] {
+                self.waiting[place] = leaving.least;
+                self.queue.push(Reverse((leaving.least.to_bits(), number)));
             }
         }
+        leaving.windows.clear();
+        leaving.least = f64::INFINITY;
     }
 
     /// Sends a window out of a triangle through one of its sides, from a point of the triangle in the plane of that side.
@@ -192,11 +229,12 @@ impl<'a> Wavefront<'a> {
         // Seen from the neighbour, which starts at the other end.
         let window = Window { begin, end, x: from[0], y: -from[1], sigma }.turned(side.length);
         let [a, b] = [side.corners[0], side.corners[1]].map(|corner| self.distances[corner as usize]);
-        let is_beaten = b + window.end < window.distance(window.end) * (1.0 - FILTER)
-            || a + (side.length - window.begin) < window.distance(window.begin) * (1.0 - FILTER);
-        if !is_beaten {
-            self.enter(self.surface.across[number as usize], window, side.length);
-        }
+        let mut leaving = std::mem::take(&mut self.left);
+        leaving.add(window, |[at_begin, at_end]| {
+            b + window.end < at_end * (1.0 - FILTER) || a + (side.length - window.begin) < at_begin * (1.0 - FILTER)
+        });
+        self.enter(self.surface.across[number as usize], &mut leaving, side.length);
+        self.left = leaving;
     }
 
     /// Takes a way to a vertex if it is the shortest so far.

@@ -28,10 +28,10 @@ impl Window {
         self.sigma + hypot(at - self.x, self.y)
     }
 
-    /// Least distance in the window.
+    /// Least distance in the window, from those at its ends.
     #[inline]
-    pub fn least(&self) -> f64 {
-        self.distance(self.x.clamp(self.begin, self.end))
+    pub fn least(&self, at_begin: f64, at_end: f64) -> f64 {
+        if self.begin < self.x && self.x < self.end { self.sigma - self.y } else { at_begin.min(at_end) }
     }
 
     /// Sees the window from the other end of the side.
@@ -57,40 +57,62 @@ pub(super) struct Passage {
     pub right: Option<Window>,
 }
 
-/// Carries a window across its triangle.
-#[inline]
-pub(super) fn pass(side: &Side, window: &Window) -> Passage {
-    let Window { begin, end, x, y, sigma } = *window;
-    let [apex_x, apex_y] = side.apex;
-    // Where the line from the point to the apex crosses the side.
-    let middle = x - (apex_x - x) * y / (apex_y - y);
-    let (snap, sight) = (SNAP * side.length, SIGHT * side.length);
-    let apex = (begin - sight <= middle && middle <= end + sight).then(|| sigma + hypot(apex_x - x, apex_y - y));
-    let left = (begin < middle - snap).then(|| {
-        let (ux, uy) = (apex_x / side.left_length, apex_y / side.left_length);
-        // Where the ray through (b, 0) meets the side; 0 at a, 1 at c.
-        let hit = |b: f64| (b * y / ((b - x) * apex_y + y * apex_x)).clamp(0.0, 1.0) * side.left_length;
-        Window {
-            begin: hit(begin),
-            end: if middle <= end + snap { side.left_length } else { hit(end) },
-            x: x * ux + y * uy,
-            y: (ux * y - uy * x).min(0.0),
-            sigma,
+/// A triangle that windows cross, with the directions of the sides through which they leave.
+pub(super) struct Crossing<'a> {
+    side: &'a Side,
+    /// From `a` to `c`.
+    left: [f64; 2],
+    /// From `c` to `b`.
+    right: [f64; 2],
+}
+
+impl<'a> Crossing<'a> {
+    /// The triangle into which a side leads.
+    pub fn new(side: &'a Side) -> Self {
+        let [x, y] = side.apex;
+        Self {
+            side,
+            left: [x / side.left_length, y / side.left_length],
+            right: [(side.length - x) / side.right_length, -y / side.right_length],
         }
-    });
-    let right = (end > middle + snap).then(|| {
-        let (wide, length) = (side.length - apex_x, side.right_length);
-        let (ux, uy) = (wide / length, -apex_y / length);
-        // 0 at b, 1 at c.
-        let hit = |b: f64| length - ((side.length - b) * y / ((x - b) * apex_y + y * wide)).clamp(0.0, 1.0) * length;
-        let (from_x, from_y) = (x - apex_x, y - apex_y);
-        Window {
-            begin: if middle >= begin - snap { 0.0 } else { hit(begin) },
-            end: hit(end),
-            x: from_x * ux + from_y * uy,
-            y: (ux * from_y - uy * from_x).min(0.0),
-            sigma,
-        }
-    });
-    Passage { apex, left, right }
+    }
+
+    /// Carries a window across.
+    #[inline]
+    pub fn pass(&self, window: &Window) -> Passage {
+        let Window { begin, end, x, y, sigma } = *window;
+        let side = self.side;
+        let [apex_x, apex_y] = side.apex;
+        // Where the line from the point to the apex crosses the side.
+        let middle = x - (apex_x - x) * y / (apex_y - y);
+        let (snap, sight) = (SNAP * side.length, SIGHT * side.length);
+        let apex = (begin - sight <= middle && middle <= end + sight).then(|| sigma + hypot(apex_x - x, apex_y - y));
+        let left = (begin < middle - snap).then(|| {
+            let [ux, uy] = self.left;
+            // Where the ray through (b, 0) meets the side; 0 at a, 1 at c.
+            let hit = |b: f64| (b * y / ((b - x) * apex_y + y * apex_x)).clamp(0.0, 1.0) * side.left_length;
+            Window {
+                begin: hit(begin),
+                end: if middle <= end + snap { side.left_length } else { hit(end) },
+                x: x * ux + y * uy,
+                y: (ux * y - uy * x).min(0.0),
+                sigma,
+            }
+        });
+        let right = (end > middle + snap).then(|| {
+            let [ux, uy] = self.right;
+            let (wide, length) = (side.length - apex_x, side.right_length);
+            // 0 at b, 1 at c.
+            let hit = |b: f64| length - ((side.length - b) * y / ((x - b) * apex_y + y * wide)).clamp(0.0, 1.0) * length;
+            let (from_x, from_y) = (x - apex_x, y - apex_y);
+            Window {
+                begin: if middle >= begin - snap { 0.0 } else { hit(begin) },
+                end: hit(end),
+                x: from_x * ux + from_y * uy,
+                y: (ux * from_y - uy * from_x).min(0.0),
+                sigma,
+            }
+        });
+        Passage { apex, left, right }
+    }
 }

@@ -3,6 +3,7 @@
 use crate::field::{FieldError, VertexId};
 use crate::linalg::MatrixError;
 use crate::mesh::MeshError;
+use crate::monotone::RepresentativeError;
 use crate::operators::OperatorError;
 use crate::qp::QpError;
 
@@ -110,6 +111,17 @@ pub enum InterpolateError {
         /// What is accepted.
         tolerance: f64,
     },
+    /// Nothing bounds a function from one side, so that it has no scale.
+    #[error("no {kind} of the connected part around vertex {vertex} has a value; expected a value or an interval for one of them")]
+    NoScale {
+        /// `minimum` or `maximum`.
+        kind: &'static str,
+        /// The lowest vertex of the part.
+        vertex: VertexId,
+    },
+    /// No field has exactly the wanted extrema, or none was found.
+    #[error(transparent)]
+    Representative(#[from] RepresentativeError),
     /// The coupled problem is too large.
     #[error(
         "all {handles} handles in one problem need a factor of {entries} numbers; expected at most {limit}: \

@@ -13,6 +13,8 @@
 
 mod boundary;
 mod bounded;
+mod by_hand;
+mod colours;
 mod contraction;
 mod controlled;
 mod coupled;
@@ -23,6 +25,8 @@ mod method;
 mod partition;
 mod weights;
 
+pub use by_hand::interpolate_wanted;
+pub use colours::{Blend, Diffused, diffuse};
 pub use error::InterpolateError;
 pub use interpolator::{BoundaryValues, InterpolateReport, Interpolated, Interpolator};
 pub use method::{Guide, InterpolateOptions, Mass, Method};

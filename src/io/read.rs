@@ -78,7 +78,7 @@ fn is_xml(bytes: &[u8]) -> bool {
 }
 
 fn read_bytes(bytes: &[u8], format: Option<MeshFormat>) -> Result<DataSet, Fault> {
-    const KNOWN: &str = "a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv)";
+    const KNOWN: &str = "a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), or an image (.png)";
     if bytes.starts_with(b"# vtk DataFile") {
         return legacy::read(bytes);
     }

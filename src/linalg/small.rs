@@ -7,7 +7,7 @@
 // Entries (i, j) and (j, i) of one matrix are read and written together: indices are the formulas.
 #![allow(clippy::needless_range_loop)]
 
-use std::f64::consts::SQRT_2;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// A D x D matrix, row by row.
 pub type Square<const D: usize> = [[f64; D]; D];
@@ -30,7 +30,7 @@ pub fn from_scaled<const D: usize>(vector: &[f64]) -> Square<D> {
     let mut place = 0;
     for row in 0..D {
         for column in 0..row {
-            let value = vector[place] / SQRT_2;
+            let value = vector[place] * FRAC_1_SQRT_2;
             matrix[row][column] = value;
             matrix[column][row] = value;
             place += 1;
@@ -50,7 +50,7 @@ pub fn to_scaled<const D: usize>(matrix: &Square<D>, vector: &mut [f64]) {
     let mut place = 0;
     for row in 0..D {
         for column in 0..row {
-            vector[place] = (matrix[row][column] + matrix[column][row]) / SQRT_2;
+            vector[place] = (matrix[row][column] + matrix[column][row]) * FRAC_1_SQRT_2;
             place += 1;
         }
         vector[place] = matrix[row][row];

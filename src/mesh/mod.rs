@@ -7,6 +7,9 @@
 //! What is handled: several components, boundary, any genus, non-manifold edges, faces and vertices, unoriented
 //! meshes, duplicate cells and points, collapsed cells, unreferenced points, cells of lower dimension. What is
 //! refused: coordinates that are not finite, simplices of zero measure, cells without a linear subdivision.
+//!
+//! [`triangulate`] fills outlines with triangles. [`HandleSet::attach`] finds the vertices that carry points, bones, regions and
+//! cages, and a [`Pose`] says where they go.
 
 mod attach;
 mod build;
@@ -29,6 +32,7 @@ mod measure;
 mod outline;
 mod polygon;
 mod pose;
+mod pose_between;
 mod segment;
 mod stencil;
 mod subdivide;

@@ -214,7 +214,7 @@ fn lit([a, b, c]: [[f64; 3]; 3]) -> f64 {
 
 /// Brown where elements grew, teal where they shrank, red where they are inverted.
 fn colour_of(determinant: f64) -> Rgb {
-    if !(determinant > 0.0) {
+    if determinant.is_nan() || determinant <= 0.0 {
         return INVERTED;
     }
     ColourMap::Diverging.colour(0.5 + 0.5 * (determinant.log2() / MOST).clamp(-1.0, 1.0))

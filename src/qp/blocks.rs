@@ -45,8 +45,18 @@ pub(super) struct BlocksBuilder<const D: usize, const R: usize> {
 }
 
 impl<const D: usize, const R: usize> BlocksBuilder<D, R> {
-    pub fn new() -> Self {
-        Self { starts: vec![0], columns: Vec::new(), coefficients: Vec::new(), slots: Vec::new(), share_starts: vec![0] }
+    /// Makes room for so many blocks over simplices, exactly: lists of this size must not grow by doubling.
+    pub fn new(blocks: usize) -> Self {
+        let columns = D * (D + 1);
+        let mut starts = Vec::with_capacity(blocks + 1);
+        starts.push(0);
+        Self {
+            share_starts: starts.clone(),
+            starts,
+            columns: Vec::with_capacity(blocks * columns),
+            coefficients: Vec::with_capacity(blocks * columns),
+            slots: Vec::with_capacity(blocks * columns * (columns + 1) / 2),
+        }
     }
 
     pub fn len(&self) -> usize {
@@ -226,9 +236,12 @@ impl<const D: usize, const R: usize> Blocks<D, R> {
             let mut out = out.iter_mut();
             for block in blocks {
                 let columns = &self.coefficients[self.columns_of(block)];
+                let metric = scaled[block].metric_rows::<R>();
                 for (last, first) in columns.iter().enumerate() {
                     let mut force = [0.0; R];
-                    scaled[block].metric_times(first, &mut force);
+                    for (coefficient, row) in first.iter().zip(&metric) {
+                        force.iter_mut().zip(row).for_each(|(slot, part)| *slot += coefficient * part);
+                    }
                     for (second, slot) in columns[..=last].iter().zip(&mut out) {
                         *slot = second.iter().zip(&force).map(|(a, b)| a * b).sum();
                     }

@@ -2,7 +2,7 @@
 
 use crate::linalg::small::{composed, from_scaled, scaled_length, symmetric_eigen, to_scaled};
 
-use super::mixed::System;
+use super::system::System;
 use super::QpError;
 use super::interior::Interior;
 use super::product::{add, dot, largest};

@@ -4,18 +4,16 @@ use std::sync::Arc;
 
 use crate::linalg::{CsrMatrix, FactorError, SymbolicCholesky, fill_reducing_order};
 
-use super::mixed::{KktForm, Layout, System};
+use super::mixed::{KktForm, Layout};
 use super::problem::check_fixed;
 use super::product::{Scratch, add, dot};
 use super::rows::Rows;
 use super::scaling::Scaling;
+use super::system::{FactorPrecision, System};
 use super::{Objective, QpError, Term};
 
 /// Right-hand sides that the factor takes at a time.
 pub(super) const COLUMNS: usize = 8;
-
-/// Shifts relative to the diagonal that are tried in turn when a pivot fails; refinement removes their effect.
-const SHIFTS: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
 
 /// The solver of all problems whose quadratic form and rows stay within one sparsity pattern.
 ///
@@ -26,6 +24,7 @@ pub struct Engine {
     unknowns: usize,
     pub(super) symbolic: Arc<SymbolicCholesky>,
     pub(super) system: System,
+    pub(super) precision: FactorPrecision,
     /// Slot of the diagonal entry of each x.
     diagonal: Arc<[u32]>,
     /// Row and column of each stored value, in the system's numbering.
@@ -60,7 +59,7 @@ impl Engine {
     /// * `objective`: n unknowns; only the patterns of its terms matter here.
     /// * `rows`: `m x n` rows whose unknowns the pattern must couple, unless P couples them already (rows between mesh
     ///   neighbours always lie inside the pattern of a chain). For blocks: [`Constraints::coupling`](super::Constraints::coupling).
-    /// * `coordinates`: a place for each unknown, any unit; turns on nested dissection from 20,000 unknowns on.
+    /// * `coordinates`: a place for each unknown, any unit; turns on nested dissection from 3,000 unknowns (or vertices) on.
     ///
     /// # Errors
     /// [`QpError`] for wrong shapes and non-finite numbers; [`QpError::Factor`] from the analysis.
@@ -129,6 +128,7 @@ impl Engine {
         Self {
             unknowns,
             system: System::new(layout, &symbolic, COLUMNS),
+            precision: FactorPrecision::Double,
             diagonal,
             places,
             formed: Vec::new(),
@@ -184,6 +184,7 @@ impl Engine {
             self.system.layout(),
         );
         engine.formed = self.formed.clone();
+        engine.set_precision(self.precision);
         engine
     }
 
@@ -305,6 +306,11 @@ impl Engine {
         self.values.copy_from_slice(&self.base);
     }
 
+    /// The factor at hand is no longer there.
+    pub(super) fn forget_factor(&mut self) {
+        self.is_factored = false;
+    }
+
     /// Factors the quadratic form alone, unless that is the factor at hand.
     pub(super) fn factor_base(&mut self) -> Result<(), QpError> {
         if self.is_factored && self.values == self.base {
@@ -329,12 +335,15 @@ impl Engine {
         let tried = self.system.factor(&self.symbolic, &self.values);
         self.is_factored = tried.is_ok();
         let Err(mut failed) = tried else { return Ok(()) };
+        if self.escalate() {
+            return self.factor_values();
+        }
         let typical = self.diagonal.iter().map(|&slot| self.values[slot as usize]).fold(0.0, f64::max);
         if !typical.is_finite() {
             return Err(failed.into());
         }
         let mut before = 0.0;
-        for shift in SHIFTS {
+        for &shift in self.system.shifts() {
             for &slot in self.diagonal.iter() {
                 let value = &mut self.values[slot as usize];
                 // A tiny part relative to the largest entry covers rows that are zero altogether.
@@ -402,6 +411,7 @@ impl Engine {
         direction: &mut [f64],
         (tolerance, steps): (f64, usize),
     ) -> (usize, f64) {
+        let (steps, patience) = self.system.steps(steps);
         let [mut residual, mut solved, mut search, mut image] = std::mem::take(&mut self.refinement);
         residual.copy_from_slice(side);
         direction.fill(0.0);
@@ -409,6 +419,7 @@ impl Engine {
         let mut previous = 0.0;
         let mut taken = 0;
         let mut reached = 1.0;
+        let (mut least, mut idle) = (f64::INFINITY, 0);
         while taken < steps && size > 0.0 {
             solved.copy_from_slice(&residual);
             self.system.solve_in_place(&self.symbolic, &mut solved);
@@ -442,11 +453,14 @@ impl Engine {
             add(direction, length, &search);
             add(&mut residual, -length, &image);
             let now = dot(&residual, &residual).sqrt() / size;
-            if now <= tolerance || (taken > 1 && now > 2.0 * reached) {
-                reached = now;
+            let is_worse = now > 2.0 * reached;
+            reached = now;
+            idle = if now < 0.9 * least { 0 } else { idle + 1 };
+            least = least.min(now);
+            let is_over = if patience == 1 { taken > 1 && is_worse } else { idle >= patience };
+            if now <= tolerance || is_over {
                 break;
             }
-            reached = now;
         }
         self.refinement = [residual, solved, search, image];
         (taken, reached)

@@ -165,6 +165,7 @@ impl Engine {
         problem.check()?;
         start.check(problem)?;
         let before = self.factorizations();
+        self.apply_precision();
         self.assemble(&problem.objective, &problem.fixed)?;
         let rows = Rows::new(problem, self)?;
         let (n, m) = (self.unknowns(), rows.len());

@@ -12,7 +12,7 @@
 //! whatever the order of the vertices. M is divided by its mean m, and everything but H is multiplied by `scale / m^(order - 1)`:
 //! then all blocks but H are of one size.
 
-use crate::linalg::{Cholesky, CsrMatrix, FactorError, Lblt, Permutation, SymbolicCholesky, fill_reducing_order};
+use crate::linalg::{CsrMatrix, FactorError, Lblt, Permutation, SymbolicCholesky, fill_reducing_order};
 
 use super::{Objective, Term};
 
@@ -230,47 +230,6 @@ impl Mixed {
             for (all, value) in work.chunks(order).zip(block) {
                 *value = all[last];
             }
-        }
-    }
-}
-
-/// The factor of an engine, in either form.
-pub(super) enum System {
-    Formed(Cholesky),
-    Mixed(Mixed),
-}
-
-impl System {
-    pub fn new(layout: Option<Layout>, symbolic: &SymbolicCholesky, columns: usize) -> Self {
-        match layout {
-            None => Self::Formed(Cholesky::new(symbolic, columns)),
-            Some(layout) => Self::Mixed(Mixed::new(layout, symbolic, columns)),
-        }
-    }
-
-    pub fn layout(&self) -> Option<Layout> {
-        match self {
-            Self::Formed(_) => None,
-            Self::Mixed(mixed) => Some(mixed.layout),
-        }
-    }
-
-    /// The place of a vertex's x among the unknowns of the system.
-    pub fn unknown(&self, vertex: usize) -> usize {
-        self.layout().map_or(vertex, |layout| layout.unknown(vertex))
-    }
-
-    pub fn factor(&mut self, symbolic: &SymbolicCholesky, values: &[f64]) -> Result<(), FactorError> {
-        match self {
-            Self::Formed(factor) => factor.factor(symbolic, values),
-            Self::Mixed(factor) => factor.factor(symbolic, values),
-        }
-    }
-
-    pub fn solve_in_place(&mut self, symbolic: &SymbolicCholesky, sides: &mut [f64]) {
-        match self {
-            Self::Formed(factor) => factor.solve_in_place(symbolic, sides),
-            Self::Mixed(factor) => factor.solve_in_place(symbolic, sides),
         }
     }
 }

@@ -30,6 +30,7 @@ mod scaling;
 mod solution;
 mod start;
 mod step;
+mod system;
 
 pub use certificate::Certificate;
 pub use engine::Engine;
@@ -39,4 +40,5 @@ pub use mixed::KktForm;
 pub use penalty::{LineSearch, MatrixPenalty, Method, Penalty, PenaltyOptions, Preview, Until, solve_with};
 pub use pinned::{Minimum, PinnedSolver};
 pub use problem::{Cone, Constraints, Objective, Problem, Term};
+pub use system::FactorPrecision;
 pub use solution::{Iterate, KktResiduals, Progress, QpStatus, Settings, Solution, Timings};

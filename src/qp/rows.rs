@@ -7,7 +7,7 @@ use crate::linalg::{CsrMatrix, FactorError};
 
 use super::blocks::{Blocks, BlocksBuilder};
 use super::scaling::Scaling;
-use super::{Certificate, Engine, Problem, QpError};
+use super::{Certificate, Cone, Engine, Problem, QpError};
 
 /// Constraints with at least one free unknown; fixed unknowns are folded into the offset.
 pub(super) struct Rows {
@@ -113,10 +113,11 @@ impl Rows {
         let constraints = &problem.constraints;
         let unknowns = problem.fixed.len();
         let total = constraints.offset.len();
-        let mut triplets = Vec::with_capacity(constraints.matrix.entries());
+        let mut triplets = Vec::new();
         let (mut starts, mut slots, mut products) = (vec![0u32], Vec::new(), Vec::new());
         let mut parts: [Part; 3] = Default::default();
-        let (mut two, mut three) = (BlocksBuilder::new(), BlocksBuilder::new());
+        let blocks = |order: usize| constraints.cones.iter().filter(|cone| cone.order() == order).map(Cone::members).sum();
+        let (mut two, mut three) = (BlocksBuilder::new(blocks(2)), BlocksBuilder::new(blocks(3)));
         let mut offset_size: f64 = 0.0;
         let mut contradiction = None;
         let mut found =

@@ -52,6 +52,17 @@ impl<const D: usize> Scaled<D> {
         two_sided(&self.metric, x, out);
     }
 
+    /// V as a symmetric matrix over scaled vectors.
+    pub fn metric_rows<const R: usize>(&self) -> [[f64; R]; R] {
+        let mut rows = [[0.0; R]; R];
+        for (place, row) in rows.iter_mut().enumerate() {
+            let mut unit = [0.0; R];
+            unit[place] = 1.0;
+            self.metric_times(&unit, row);
+        }
+        rows
+    }
+
     /// `R⁻¹ dS R⁻ᵀ`.
     fn slack(&self, ds: &[f64]) -> Square<D> {
         congruence(&self.inverse, &from_scaled(ds))

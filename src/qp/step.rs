@@ -22,6 +22,9 @@ const BLOCK_CORRECTORS: usize = 2;
 /// serve the stationarity, and products of slack and dual near zero would only spoil the matrix.
 const CLOSED: f64 = 0.03;
 
+/// A relative residual of a Newton direction above which a factor in single precision has done its work.
+const POOR: f64 = 1e-6;
+
 impl Interior<'_> {
     /// One iteration, with gaps relative to `unit`; returns the step length, 0 where the point has left the cone by rounding.
     pub(super) fn advance(&mut self, unit: f64) -> Result<f64, QpError> {
@@ -41,7 +44,7 @@ impl Interior<'_> {
         for (goal, z) in self.goal.iter_mut().zip(&self.point.z) {
             *goal = -z;
         }
-        self.direction();
+        self.direction()?;
         let reach = self.reach(1.0);
         let mut after = 0.0;
         for row in 0..self.rows.len() {
@@ -58,10 +61,10 @@ impl Interior<'_> {
         let centre = (sigma * mu).max(CLOSED * self.settings.relative_gap * unit / degree);
         // Corrector: centred, with the full second-order term.
         self.scaling.corrected(&self.rows, centre, (&self.point, &self.step), &mut self.goal);
-        self.direction();
+        self.direction()?;
         let mut length = self.reach(self.settings.step_fraction);
         for _ in 0..self.worthwhile_correctors() {
-            let longer = self.centrality(centre, length);
+            let longer = self.centrality(centre, length)?;
             match longer {
                 Some(reached) => length = reached,
                 None => break,
@@ -86,7 +89,7 @@ impl Interior<'_> {
     }
 
     /// The Newton direction for the current residuals and goal.
-    fn direction(&mut self) {
+    fn direction(&mut self) -> Result<(), QpError> {
         self.scaling.times(&self.rows, &self.primal, &mut self.trial.s);
         for (slot, goal) in self.trial.s.iter_mut().zip(&self.goal) {
             *slot = goal - *slot;
@@ -95,12 +98,13 @@ impl Interior<'_> {
             *slot = -residual;
         }
         self.rows.add_transposed(1.0, &self.trial.s, &mut self.side);
-        self.newton();
+        self.newton()?;
         self.rows.image_into(&self.step.x, &mut self.step.s);
         for (step, primal) in self.step.s.iter_mut().zip(&self.primal) {
             *step += primal;
         }
         self.dual_step();
+        Ok(())
     }
 
     /// `dz := goal - V ds`.
@@ -111,13 +115,20 @@ impl Interior<'_> {
         }
     }
 
-    fn newton(&mut self) {
+    fn newton(&mut self) -> Result<(), QpError> {
         // Metrics of blocks lose more digits than weights of rows (measured: 1e-3 stalls at a gap of 3e-8).
         let tolerance = if self.rows.is_polyhedral() { 1e-3 } else { 1e-10 };
         let rows = Some((&self.rows, &self.scaling, &mut self.work[..]));
-        let (taken, _) =
+        let (taken, reached) =
             self.engine.solve_refined(&self.problem.objective, rows, &self.side, &mut self.step.x, (tolerance, 4));
         self.solves += taken;
+        if reached > POOR && self.engine.escalate() {
+            self.engine.reset_values();
+            self.rows.add_normal(&self.scaling, &mut self.engine.values);
+            self.engine.factor_values()?;
+            return self.newton();
+        }
+        Ok(())
     }
 
     /// The longest step, at most 1, that stays within `fraction` of the way to the boundary.
@@ -127,16 +138,16 @@ impl Interior<'_> {
 
     /// Gondzio's corrector: pulls outlying complementarity products of a longer trial step back towards the centre.
     /// Keeps the corrected step if it is clearly longer.
-    fn centrality(&mut self, centre: f64, length: f64) -> Option<f64> {
+    fn centrality(&mut self, centre: f64, length: f64) -> Result<Option<f64>, QpError> {
         if length > 0.95 {
-            return None;
+            return Ok(None);
         }
         let wanted = (1.08 * length + 0.08).min(1.0);
         self.scaling.recentred(&self.rows, (centre, wanted), (&self.point, &self.step), &mut self.goal);
         self.side.fill(0.0);
         self.rows.add_transposed(1.0, &self.goal, &mut self.side);
         self.trial.copy_from(&self.step);
-        self.newton();
+        self.newton()?;
         self.rows.image_into(&self.step.x, &mut self.step.s);
         self.dual_step();
         let trial = std::mem::replace(&mut self.trial, Triple::zeros(0, 0));
@@ -144,9 +155,9 @@ impl Interior<'_> {
         self.trial = trial;
         let reached = self.reach(self.settings.step_fraction);
         if reached >= length + 0.01 {
-            return Some(reached);
+            return Ok(Some(reached));
         }
         self.step.copy_from(&self.trial);
-        None
+        Ok(None)
     }
 }

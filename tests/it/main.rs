@@ -7,6 +7,7 @@ mod mesh;
 mod monotone;
 mod datasets;
 mod field;
+mod geodesic;
 mod deform;
 mod house;
 mod audit;

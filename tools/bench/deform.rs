@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release --example deform -- SCENE[,SCENE..] [method=ipm|quadratic|cubic|spline] [factor=automatic|double|single]
-//!     [memory=GIB] [gap=1e-7] [nu=0] [hard] [clarabel] [repeat=N] [verbose]
+//!     [memory=GIB] [gap=1e-6] [nu=0] [hard] [best] [rounds=0] [warm] [clarabel] [repeat=N] [verbose]
 //! ```
 //!
 //! Scenes: `quad-80` (`4 cells²` triangles), `swirl-80-270` (cells, degrees), `ball-10` (cubes across), `bar-50-6-170`
@@ -18,9 +18,10 @@ mod scenes;
 mod second_order;
 
 use clock::processor_seconds;
-use morsmooth::deform::{DeformOptions, DeformSolver, HeldVertices, Hold, SolveMethod, SolveOptions};
+use morsmooth::deform::{Begin, DeformOptions, DeformSolver, FactorChoice, HeldVertices, Hold, OnContradiction, SolveMethod, SolveOptions};
 use morsmooth::qp::{Penalty, Settings};
 use scenes::{Load, Scene};
+use second_order::Unknowns;
 use std::time::Instant;
 
 fn main() {
@@ -50,6 +51,8 @@ fn scene(name: &str) -> Scene {
         "ball" => scenes::ball(count(0)),
         "bar" => scenes::bar(count(0), count(1), numbers[2]),
         "twist" => scenes::rod(count(0), count(1), Load::Twist(numbers[2])),
+        "lone" => scenes::lone(count(0), numbers[1]),
+        "shaken" => scenes::shaken(count(0), numbers[1], numbers[2] as u64),
         "stretch" => scenes::rod(count(0), count(1), Load::Stretch(numbers[2])),
         other => panic!("no scene {other}"),
     }
@@ -75,12 +78,29 @@ fn run(name: &str, scene: &Scene, arguments: &[String]) {
         "spline" => SolveMethod::Penalty(Penalty::Spline),
         _ => SolveMethod::InteriorPoint,
     };
-    let settings = Settings { relative_gap: number(arguments, "gap", 1e-7), ..Settings::default() };
-    let solve = SolveOptions { method, settings, ..SolveOptions::default() };
+    let settings = Settings { relative_gap: number(arguments, "gap", 1e-6), ..Settings::default() };
+    let solve = SolveOptions {
+        method,
+        settings,
+        rounds: number(arguments, "rounds", 0.0) as usize,
+        on_contradiction: if is_asked("best") { OnContradiction::KeepBest } else { OnContradiction::Name },
+        ..SolveOptions::default()
+    };
     let (clock, wall) = (processor_seconds(), Instant::now());
     let held = HeldVertices::unnamed(scene.handles.clone());
     let mut solver = DeformSolver::new(&scene.complex, held, options).unwrap();
+    let factor = match value(arguments, "factor").unwrap_or("automatic") {
+        "double" => FactorChoice::Double,
+        "single" => FactorChoice::Single,
+        _ => FactorChoice::Automatic,
+    };
+    solver.choose_factor(factor, (number(arguments, "memory", 12.0) * (1u64 << 30) as f64) as usize);
     let (analysis, analysis_wall) = (processor_seconds() - clock, wall.elapsed().as_secs_f64());
+    if is_asked("analyse") {
+        let (flops, bytes) = solver.factor_cost();
+        println!("{name}: {} nonzeros, {flops:.2e} operations, {bytes:?} bytes, {analysis:.2} s", solver.factor_entries());
+        return;
+    }
     let mut best: Option<(f64, f64, morsmooth::deform::Deformed)> = None;
     for _ in 0..number(arguments, "repeat", 1.0) as usize {
         let (clock, wall) = (processor_seconds(), Instant::now());
@@ -96,21 +116,30 @@ fn run(name: &str, scene: &Scene, arguments: &[String]) {
         }
     }
     let (processor, wall, deformed) = best.unwrap();
+    if is_asked("warm") {
+        moved_handles(&mut solver, scene, &solve);
+    }
     let peer = if is_asked("clarabel") {
         let problem = solver.problem(&scene.rotations, &scene.targets).unwrap();
-        second_order::clarabel(&problem, deformed.energy.total())
+        let reference = solver.deformer().reference(&scene.targets).unwrap();
+        let peer = |unknowns| second_order::clarabel(&problem, &reference, unknowns, deformed.energy.total());
+        serde_json::json!({ "displacements": peer(Unknowns::Displacements), "positions": peer(Unknowns::Positions) })
     } else {
         serde_json::Value::Null
     };
     let row = serde_json::json!({
         "scene": name,
         "method": deformed.method,
+        "substitute": deformed.substitute,
         "elements": scene.complex.simplex_count(),
         "vertices": scene.complex.vertex_count(),
         "status": deformed.status,
         "iterations": deformed.effort.iterations,
         "factorizations": deformed.effort.factorizations,
         "solves": deformed.effort.solves,
+        "factor": solver.precision(),
+        "factor_flops": solver.factor_cost().0,
+        "factor_bytes": solver.factor_cost().1,
         "factor_entries": deformed.effort.factor_entries,
         "factor_seconds": deformed.effort.factor_seconds,
         "analysis_processor": analysis,
@@ -129,4 +158,27 @@ fn run(name: &str, scene: &Scene, arguments: &[String]) {
         "clarabel": peer,
     });
     println!("{row}");
+}
+
+/// Moves the handles a little, step by step, and solves cold and warm.
+fn moved_handles(solver: &mut DeformSolver, scene: &Scene, options: &SolveOptions) {
+    for step in 1..=3 {
+        let shift = 0.002 * f64::from(step);
+        let targets: Vec<[f64; 3]> = scene
+            .targets
+            .iter()
+            .zip(&scene.handles)
+            .map(|(&[x, y, z], vertex)| if [x, y, z] == scene.complex.points()[vertex.index()] { [x, y, z] } else { [x + shift, y, z] })
+            .collect();
+        let warm = SolveOptions { begin: Begin::Warm, ..*options };
+        let next = solver.solve(&scene.rotations, &targets, &warm, &mut |_| {}).unwrap();
+        let cold = solver.fork().solve(&scene.rotations, &targets, options, &mut |_| {}).unwrap();
+        let off = (next.energy.total() - cold.energy.total()) / cold.energy.total();
+        println!(
+            "moved by {shift}: {} factorizations cold, {} warm ({}), energies differ by {off:.1e}",
+            cold.effort.factorizations,
+            next.effort.factorizations,
+            next.is_certified()
+        );
+    }
 }

@@ -211,3 +211,29 @@ pub fn rod(length: usize, width: usize, load: Load) -> Scene {
     let rotations = complex.simplices().chunks(4).map(|corners| rotation(mean(corners))).collect();
     Scene { complex, handles, targets, rotations }
 }
+
+/// The unit square at rest with its boundary held; one triangle in the middle is asked to turn by an angle.
+pub fn lone(cells: usize, degrees: f64) -> Scene {
+    let mut scene = quad(cells);
+    scene.targets = scene.handles.iter().map(|vertex| scene.complex.points()[vertex.index()]).collect();
+    let count = scene.complex.simplex_count();
+    scene.rotations = vec![turn(0.0); count];
+    scene.rotations[count / 2 + 1] = turn(degrees.to_radians());
+    scene
+}
+
+/// The quad with every rotation drawn anew, evenly within an angle to either side.
+pub fn shaken(cells: usize, degrees: f64, seed: u64) -> Scene {
+    let mut scene = quad(cells);
+    let mut state = seed;
+    for rotation in &mut scene.rotations {
+        // SplitMix64.
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let even = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+        *rotation = turn(even * degrees.to_radians());
+    }
+    scene
+}

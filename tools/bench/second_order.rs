@@ -8,14 +8,23 @@ use std::time::Instant;
 
 use crate::clock::processor_seconds;
 
-/// Tolerances that are tried in turn until the energy is right.
-const TOLERANCES: [f64; 5] = [1e-8, 1e-10, 1e-11, 1e-12, 1e-13];
+/// Tolerances that are tried in turn until the energy is right; the first is the default.
+const TOLERANCES: [f64; 3] = [1e-8, 1e-10, 1e-12];
+
+/// What the unknowns are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unknowns {
+    /// Displacements from targets and rest positions, as in our engine: no large terms cancel in the objective.
+    Displacements,
+    /// Positions, as the paper states the problem.
+    Positions,
+}
 
 /// Clarabel is as accurate as us once its energy is within this share of ours.
 const ACCURATE: f64 = 1e-6;
 
 /// Its first run with an energy within [`ACCURATE`] of ours, or the last: iterations, seconds, and how far off the energy is.
-pub fn clarabel(problem: &Problem, energy: f64) -> serde_json::Value {
+pub fn clarabel(problem: &Problem, reference: &[f64], unknowns: Unknowns, energy: f64) -> serde_json::Value {
     let n = problem.fixed.len();
     if problem.constraints.cones.iter().any(|cone| !matches!(cone, Cone::Psd2(_))) {
         return serde_json::json!("only planar scenes: the crate's matrix cones want LAPACK");
@@ -56,6 +65,11 @@ pub fn clarabel(problem: &Problem, energy: f64) -> serde_json::Value {
         }
     }
     let matrix = CsrMatrix::from_triplets(right.len(), n, &rows).unwrap();
+    let mut linear = problem.objective.linear.clone();
+    let shift = if unknowns == Unknowns::Positions { reference.to_vec() } else { vec![0.0; n] };
+    // d = x - reference in  1/2 dᵀ P d + qᵀ d  and in  -A d + s = b.
+    linear.iter_mut().zip(quadratic.multiply(&shift)).for_each(|(slot, part)| *slot -= part);
+    right.iter_mut().zip(matrix.multiply(&shift)).for_each(|(slot, part)| *slot += part);
     let mut cones: Vec<SupportedConeT<f64>> = vec![ZeroConeT(equalities)];
     cones.extend((0..blocks).map(|_| SecondOrderConeT(3)));
     let (quadratic, matrix) = (columns_of(&quadratic, true), columns_of(&matrix, false));
@@ -71,9 +85,10 @@ pub fn clarabel(problem: &Problem, energy: f64) -> serde_json::Value {
             .build()
             .unwrap();
         let (clock, wall) = (processor_seconds(), Instant::now());
-        let mut solver = DefaultSolver::new(&quadratic, &problem.objective.linear, &matrix, &right, &cones, settings).unwrap();
+        let mut solver = DefaultSolver::new(&quadratic, &linear, &matrix, &right, &cones, settings).unwrap();
         solver.solve();
-        let off = (problem.objective.value(&solver.solution.x) - energy).abs() / energy;
+        let found: Vec<f64> = solver.solution.x.iter().zip(&shift).map(|(x, base)| x - base).collect();
+        let off = (problem.objective.value(&found) - energy).abs() / energy;
         last = serde_json::json!({
             "tolerance": tolerance,
             "status": format!("{:?}", solver.solution.status),

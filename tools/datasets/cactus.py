@@ -32,7 +32,7 @@ BONES = {
     "left_high": [(-1.52, 4.0), (-1.6, 5.2)],
     "right_high": [(1.32, 5.0), (1.4, 6.0)],
 }
-POSE = {"top": (-35, 0.0, 0.0), "left_low": (70, -0.3, 0.2), "right_low": (-80, 0.4, 0.1), "left_high": (-60, 0.0, 0.3), "right_high": (-50, 0.2, -0.2)}
+POSE = {"top": (-25, 0.0, 0.0), "left_low": (70, -0.3, 0.2), "right_low": (-80, 0.4, 0.1), "left_high": (55, -0.2, 0.0), "right_high": (-50, 0.2, -0.2)}
 
 
 def distance(points, start, end):

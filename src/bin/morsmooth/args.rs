@@ -17,6 +17,28 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Deform a mesh through poses between key poses; write a ParaView collection with a file a frame.
+    ///
+    /// Frames are independent and run in parallel; each has the same bits for any number of threads. Rotations in the plane are
+    /// blended by angle, so that turns count; quaternions along the shorter arc.
+    ///
+    /// Exit codes: as for 'deform', for all frames together; nothing is written unless every frame is.
+    Animate(Box<crate::animate::AnimateArgs>),
+    /// Deform a planar or solid mesh, an outline or a photograph by handles, so that no element turns inside out.
+    ///
+    /// Rotations of the handles are blended by weights; the shape of least energy that follows them without an inverted element is the
+    /// optimum of a convex problem, and comes with a certificate. The file gets the cell arrays det_F, smallest_eigenvalue,
+    /// energy_density and active_constraint.
+    ///
+    /// Exit codes: 0 if the file written was read back and has no inverted element, as written and rounded to 32 bits, by exact
+    /// predicates; 1 if it has, or if handles contradict each other (then nothing is written without --keep-best or --keep-unaudited);
+    /// 2 for a wrong command line or input. A solver that stops before the asked gap gives a line 'warning:'.
+    Deform(Box<crate::deform::DeformArgs>),
+    /// Write the distance of every vertex from one or more sources along the mesh, and a smooth version with the same maxima.
+    ///
+    /// Exit codes: 0 if the arrays written were read back, and the smooth one has exactly the wanted extrema; 1 if it has not; 2 for a
+    /// wrong command line or input.
+    Geodesic(Box<crate::geodesic::GeodesicArgs>),
     /// Show what a file holds: data set, arrays, domain, what is wrong with it.
     Info(InfoArgs),
     /// Count the extrema of a field, list their persistence, and show what thresholds would leave.
@@ -41,6 +63,20 @@ pub enum Command {
     /// not by an amount: a plateau from a to b says that the threshold may be off by the factor b/a without any effect. The
     /// widest differences are listed as well; they favour the few largest extrema, which are far apart in any field.
     Persistence(Box<crate::persistence::PersistenceArgs>),
+    /// Find the smoothest function with exactly the minima and maxima that someone wants, without data.
+    ///
+    /// Exit codes: 0 if the file written was read back and has exactly the wanted extrema, or the method promises none; 1 if it has not;
+    /// 2 for a wrong command line or input, such as wishes that contradict each other.
+    Interpolate(Box<crate::interpolate::InterpolateArgs>),
+    /// Spread colours that are given at points and along curves over a shape or an image.
+    ///
+    /// Exit codes: 0 if no channel has an extremum but at given colours, or the method does not promise it; 1 otherwise; 2 for a wrong
+    /// command line or input.
+    Diffuse(Box<crate::diffuse::DiffuseArgs>),
+    /// Smooth the columns of a table along one of them, numbers or dates, with exactly the wanted minima and maxima.
+    ///
+    /// Steps may be irregular and values missing. Exit codes as those of 'smooth'.
+    Series(Box<crate::series::SeriesArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
     /// Write the Morse–Smale complex: critical points, separatrices, segmentation, in the layout of TTK.
@@ -352,6 +388,14 @@ pub struct ConvertArgs {
     /// File to write; its extension, one of the same, chooses the format.
     pub output: PathBuf,
 
+    /// Read a .csv file as an outline (columns x and y; an empty line or a column 'ring' parts rings) and fill it with triangles.
+    #[arg(long)]
+    pub outline: bool,
+
+    /// How an outline is filled.
+    #[command(flatten)]
+    pub fill: OutlineArgs,
+
     /// What is said, and threads.
     #[command(flatten)]
     pub talk: TalkArgs,
@@ -427,7 +471,8 @@ pub fn fraction(text: &str) -> Result<f64, String> {
     Ok(value)
 }
 
-fn extremum_values(text: &str) -> Result<ValuesKind, String> {
+/// Reads `keep`, `free` or a part.
+pub fn extremum_values(text: &str) -> Result<ValuesKind, String> {
     match text {
         "keep" => Ok(ValuesKind::Keep),
         "free" => Ok(ValuesKind::Free),

@@ -1,6 +1,6 @@
 //! `morsmooth convert`: one file format into another.
 
-use morsmooth::io::{GeometryKind, is_same_file, losses, read, reshape, write_temporary};
+use morsmooth::io::{GeometryKind, is_same_file, losses, outline_dataset, read, reshape, write_temporary};
 use serde_json::json;
 
 use crate::Outcome;
@@ -19,7 +19,8 @@ pub fn run(args: &ConvertArgs) -> Result<Outcome, Failure> {
     }
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
-    let dataset = read(&args.input).map_err(|error| Failure::usage(error.to_string()))?;
+    let found = if args.outline { outline_dataset(&args.input, &args.fill.options()) } else { read(&args.input) };
+    let dataset = found.map_err(|error| Failure::usage(error.to_string()))?;
     let (points, cells) = (dataset.point_count(), dataset.cell_count());
     let extension = args.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let dataset = match GeometryKind::of_extension(extension) {

@@ -1,22 +1,38 @@
 //! `morsmooth`: parse, resolve, run, report. The only code that prints.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod animate;
 mod args;
+mod by_hand;
 mod check;
 mod complex;
 mod complex_report;
 mod convert;
+mod deform;
+mod diffuse;
+mod diffuse_colours;
 mod extrema;
 mod failure;
+mod geodesic;
+mod geodesic_report;
+mod geodesic_sources;
 mod info;
 mod input;
+mod interpolate;
 mod number;
 mod output;
 mod persistence;
 mod pictures;
 mod pose;
 mod pose_audit;
+mod posed;
 mod report;
+mod series;
+mod series_input;
+mod shape;
+mod shape_file;
+mod shape_pictures;
+mod shape_input;
 mod simplify;
 mod smooth;
 mod table;
@@ -62,11 +78,17 @@ fn main() -> ExitCode {
 
 fn run(command: &Command) -> Result<Outcome, Failure> {
     let threads = match command {
+        Command::Animate(args) => args.talk.threads,
+        Command::Deform(args) => args.talk.threads,
+        Command::Geodesic(args) => args.talk.threads,
         Command::Info(args) => args.talk.threads,
         Command::Extrema(args) => args.talk.threads,
         Command::Smooth(args) => args.talk.threads,
         Command::Simplify(args) => args.talk.threads,
         Command::Persistence(args) => args.talk.threads,
+        Command::Interpolate(args) => args.talk.threads,
+        Command::Diffuse(args) => args.talk.threads,
+        Command::Series(args) => args.talk.threads,
         Command::Check(args) => args.talk.threads,
         Command::Complex(args) => args.talk.threads,
         Command::Convert(args) => args.talk.threads,
@@ -83,11 +105,17 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
             .map_err(|error| Failure::usage(format!("{threads} threads could not be started: {error}")))?;
     }
     match command {
+        Command::Animate(args) => animate::run(args),
+        Command::Deform(args) => deform::run(args),
+        Command::Geodesic(args) => geodesic::run(args),
         Command::Info(args) => info::run(args),
         Command::Extrema(args) => extrema::run(args),
         Command::Smooth(args) => smooth::run(args),
         Command::Simplify(args) => simplify::run(args),
         Command::Persistence(args) => persistence::run(args),
+        Command::Interpolate(args) => interpolate::run(args),
+        Command::Diffuse(args) => diffuse::run(args),
+        Command::Series(args) => series::run(args),
         Command::Check(args) => check::run(args),
         Command::Complex(args) => complex::run(args),
         Command::Convert(args) => convert::run(args),

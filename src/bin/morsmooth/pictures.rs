@@ -7,10 +7,10 @@ use morsmooth::field::VertexId;
 use morsmooth::mesh::{SimplicialComplex, Triangulation};
 use morsmooth::morse::ExtremumPair;
 use morsmooth::plot::{
-    CurveChart, DiagramPoint, FieldView, PictureOptions, PlotError, before_after, complex_picture, field_picture, persistence_curve,
-    persistence_diagram, write_atomically,
+    CurveChart, DiagramPoint, FieldView, PictureOptions, PlotError, ShapeView, before_after, complex_picture, field_picture, persistence_curve,
+    persistence_diagram, shape_picture, write_atomically,
 };
-use morsmooth::smooth::{MeasuredField, SelectOn};
+use morsmooth::smooth::{MeasuredField, SelectOn, Smoothed};
 
 use crate::complex_report::ComplexJob;
 use crate::failure::Failure;
@@ -20,6 +20,20 @@ use crate::report::{SmoothJob, persistences};
 /// Before and after, persistence curve and diagram of a smoothing run.
 pub fn smooth(directory: &Path, job: &SmoothJob<'_>) -> Result<(), Failure> {
     let (input, result) = (job.input, job.result);
+    let report = &result.report;
+    before_and_after(directory, input, result)?;
+    let kept = |vertex: VertexId| {
+        result.wanted.minima.binary_search(&vertex).is_ok() || result.wanted.maxima.binary_search(&vertex).is_ok()
+    };
+    let label = match report.select_on {
+        SelectOn::Data => input.name.clone(),
+        SelectOn::Smooth => format!("{}, smooth field", input.name),
+    };
+    charts(directory, &result.selected_on, report.threshold, &label, kept)
+}
+
+/// A field before and after smoothing, side by side.
+pub fn before_and_after(directory: &Path, input: &FieldInput, result: &Smoothed) -> Result<(), Failure> {
     let complex = &input.domain.complex;
     prepare(directory)?;
     let before = extrema_of(complex, &input.values).map_err(|error| Failure::file(&input.path, error))?;
@@ -32,15 +46,21 @@ pub fn smooth(directory: &Path, job: &SmoothJob<'_>) -> Result<(), Failure> {
     let target = directory.join("before_after.png");
     before_after(complex, &left, &right, &options)
         .and_then(|picture| picture.write_png(&target))
-        .map_err(|error| plot_failure(&target, &error))?;
-    let kept = |vertex: VertexId| {
-        result.wanted.minima.binary_search(&vertex).is_ok() || result.wanted.maxima.binary_search(&vertex).is_ok()
-    };
-    let label = match report.select_on {
-        SelectOn::Data => input.name.clone(),
-        SelectOn::Smooth => format!("{}, smooth field", input.name),
-    };
-    charts(directory, &result.selected_on, report.threshold, &label, kept)
+        .map_err(|error| plot_failure(&target, &error))
+}
+
+/// Isolines of a distance.
+pub fn distance(directory: &Path, input: &FieldInput) -> Result<(), Failure> {
+    prepare(directory)?;
+    let complex = &input.domain.complex;
+    let found = extrema_of(complex, &input.values).map_err(|error| Failure::file(&input.path, error))?;
+    let title = format!("{} minima, {} maxima", found.minima.len(), found.maxima.len());
+    let view = FieldView { title: &title, values: &input.values, minima: &found.minima, maxima: &found.maxima };
+    let options = PictureOptions { label: input.name.clone(), ..PictureOptions::default() };
+    let target = directory.join("distance.png");
+    field_picture(complex, &view, &options)
+        .and_then(|picture| picture.write_png(&target))
+        .map_err(|error| plot_failure(&target, &error))
 }
 
 /// The field, its persistence curve and diagram.
@@ -98,23 +118,31 @@ pub fn complex<T: Triangulation>(
         .map_err(|error| plot_failure(&target, &error))
 }
 
-/// A shape before and after it was moved, in two files, with one colour scale.
+/// `before_after.png`: a shape before and after it was moved, inverted elements red.
 ///
 /// # Arguments
-/// * `after`: a place for every vertex; `values`: what is coloured.
-pub fn shapes(directory: &Path, rest: &SimplicialComplex, after: &[[f64; 3]], values: &[f64], label: &str) -> Result<(), Failure> {
+/// * `after`: a place for every vertex; `determinants`: det F of every element, if it is known; `marks`: places of handles, before and after.
+pub fn shapes(
+    directory: &Path,
+    rest: &SimplicialComplex,
+    after: &[[f64; 3]],
+    determinants: Option<&[f64]>,
+    marks: [&[[f64; 3]]; 2],
+) -> Result<(), Failure> {
     prepare(directory)?;
-    let moved = SimplicialComplex::new(rest.dimension(), after.to_vec(), rest.simplices().to_vec())
-        .map_err(|error| Failure::file(directory, error))?;
-    let options = PictureOptions { label: label.to_owned(), ..PictureOptions::default() };
-    for (name, complex) in [("before", rest), ("after", &moved)] {
-        let target = directory.join(format!("{name}.png"));
-        let view = FieldView { title: name, values, minima: &[], maxima: &[] };
-        field_picture(complex, &view, &options)
-            .and_then(|picture| picture.write_png(&target))
-            .map_err(|error| plot_failure(&target, &error))?;
-    }
-    Ok(())
+    let ones = determinants.map(|determinants| vec![1.0; determinants.len()]);
+    let title = match determinants.map(|determinants| determinants.iter().filter(|det| **det <= 0.0).count()) {
+        Some(count) => format!("after: {count} inverted elements"),
+        None => "after".to_owned(),
+    };
+    let views = [
+        ShapeView { title: "before", points: rest.points(), determinants: ones.as_deref(), marks: marks[0] },
+        ShapeView { title: &title, points: after, determinants, marks: marks[1] },
+    ];
+    let target = directory.join("before_after.png");
+    shape_picture(rest, &views, 1600)
+        .and_then(|picture| picture.write_png(&target))
+        .map_err(|error| plot_failure(&target, &error))
 }
 
 fn charts(

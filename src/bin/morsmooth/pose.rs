@@ -29,6 +29,8 @@ const HANDLE_NAMES: &str = "handle_names";
 const HANDLE_PIVOTS: &str = "handle_pivots";
 /// Sums of weights this far from 1 are worth a word.
 const UNITY: f64 = 1e-6;
+/// Rounding to 32 bits or to seven digits, as a part of the greatest coordinate.
+const ROUNDING: f64 = 1e-6;
 
 /// `morsmooth pose`.
 #[derive(Debug, Args)]
@@ -70,7 +72,7 @@ pub struct PoseArgs {
     #[command(flatten)]
     pub outline: OutlineArgs,
 
-    /// Draw the shape before and after into this directory, coloured by the handle with the greatest weight.
+    /// Draw the shape before and after into this directory, inverted elements red.
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
 
@@ -127,13 +129,15 @@ pub fn run(args: &PoseArgs) -> Result<Outcome, Failure> {
     // What is in the file, in its own precision, is what is judged.
     let written = read(pending.path()).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
     let places = written.points_f64();
-    let found = match places.len() == scene.dataset.point_count() {
+    let found = match keeps_numbers(&scene, &moved, &places) {
         true => inversions(&scene.domain, &places),
         false => Inversions::Unknown("the format keeps no numbers of points".to_owned()),
     };
     if let Some(directory) = &args.plots {
         talk.stage("pictures");
-        pictures(directory, &scene, &moved)?;
+        let before: Vec<[f64; 3]> = pose.transforms.iter().map(|transform| transform.pivot).collect();
+        let after: Vec<[f64; 3]> = pose.transforms.iter().map(|transform| transform.apply(transform.pivot)).collect();
+        crate::pictures::shapes(directory, &scene.domain.complex, &moved, found.determinants(), [&before, &after])?;
     }
     let report = report(args, &scene, &pose, &found, begin.elapsed().as_secs_f64());
     if let Some(path) = &args.talk.report {
@@ -250,11 +254,12 @@ fn write(args: &PoseArgs, scene: &Scene, moved: &[[f64; 3]]) -> Result<(PendingF
     Ok((pending, lost))
 }
 
-fn pictures(directory: &Path, scene: &Scene, moved: &[[f64; 3]]) -> Result<(), Failure> {
-    let count = scene.handles.len();
-    let strongest = |row: &[f64]| (1..row.len()).fold(0, |best, handle| if row[handle] > row[best] { handle } else { best });
-    let values: Vec<f64> = scene.weights.chunks_exact(count).map(|row| strongest(row) as f64).collect();
-    crate::pictures::shapes(directory, &scene.domain.complex, moved, &values, "number of the handle with the greatest weight")
+/// Whether the points of the file are those that were written, but for rounding: a format such as .stl puts them into an order of its own.
+fn keeps_numbers(scene: &Scene, moved: &[[f64; 3]], places: &[[f64; 3]]) -> bool {
+    let extent = moved.iter().flatten().fold(0.0f64, |most, part| most.max(part.abs()));
+    let near = |a: &[f64; 3], b: &[f64; 3]| (0..3).all(|axis| (a[axis] - b[axis]).abs() <= ROUNDING * extent);
+    let numbers = scene.domain.point_of_vertex().iter().zip(moved);
+    places.len() == scene.dataset.point_count() && numbers.into_iter().all(|(&point, place)| near(&places[point as usize], place))
 }
 
 fn report(args: &PoseArgs, scene: &Scene, pose: &Pose, found: &Inversions, seconds: f64) -> serde_json::Value {

@@ -19,8 +19,8 @@ pub enum Inversions {
         cells: Vec<u32>,
         /// How many elements.
         count: usize,
-        /// Elements in all.
-        elements: usize,
+        /// det F of every element.
+        determinants: Vec<f64>,
         /// The smallest det F.
         smallest: f64,
     },
@@ -53,18 +53,26 @@ pub fn inversions(domain: &Domain, places: &[[f64; 3]]) -> Inversions {
             cells.sort_unstable();
             cells.dedup();
             let smallest = determinants.iter().copied().fold(f64::INFINITY, f64::min);
-            Inversions::Counted { cells, count: inverted.len(), elements: determinants.len(), smallest }
+            Inversions::Counted { cells, count: inverted.len(), determinants, smallest }
         }
         Err(error) => Inversions::Unknown(error.to_string()),
     }
 }
 
 impl Inversions {
+    /// det F of every element, if they could be computed.
+    pub fn determinants(&self) -> Option<&[f64]> {
+        match self {
+            Self::Counted { determinants, .. } => Some(determinants),
+            Self::Unknown(_) => None,
+        }
+    }
+
     /// For a report.
     pub fn to_json(&self) -> Value {
         match self {
-            Self::Counted { cells, count, elements, smallest } => {
-                json!({ "count": count, "elements": elements, "cells_first": cells[..cells.len().min(NAMED)], "smallest_determinant": smallest })
+            Self::Counted { cells, count, determinants, smallest } => {
+                json!({ "count": count, "elements": determinants.len(), "cells_first": cells[..cells.len().min(NAMED)], "smallest_determinant": smallest })
             }
             Self::Unknown(reason) => json!({ "count": null, "reason": reason }),
         }
@@ -74,11 +82,11 @@ impl Inversions {
 impl std::fmt::Display for Inversions {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Counted { count: 0, elements, smallest, .. } => write!(f, "none of {elements} elements; smallest det F {}", short(*smallest)),
-            Self::Counted { cells, count, elements, smallest } => {
+            Self::Counted { count: 0, determinants, smallest, .. } => write!(f, "none of {} elements; smallest det F {}", determinants.len(), short(*smallest)),
+            Self::Counted { cells, count, determinants, smallest } => {
                 let named: Vec<String> = cells.iter().take(NAMED / 4).map(u32::to_string).collect();
                 let more = if cells.len() > named.len() { ", ..." } else { "" };
-                write!(f, "{count} of {elements} elements (cells {}{more}); smallest det F {}", named.join(", "), short(*smallest))
+                write!(f, "{count} of {} elements (cells {}{more}); smallest det F {}", determinants.len(), named.join(", "), short(*smallest))
             }
             Self::Unknown(reason) => write!(f, "not counted: {reason}"),
         }

@@ -21,12 +21,17 @@ use crate::wishes::{Wish, array_names, check_keep, check_single_name, wishes};
 use crate::written::{OrderArrays, Produced, write_and_audit};
 
 /// A field, what is wanted of it, and the arrays that it will give.
-struct Plan<'a> {
-    input: &'a FieldInput,
-    wishes: Vec<Wish>,
-    names: Vec<String>,
-    confidence: Option<Vec<f64>>,
-    smoothness: Option<Vec<f64>>,
+pub struct Plan<'a> {
+    /// The field.
+    pub input: &'a FieldInput,
+    /// What is wanted.
+    pub wishes: Vec<Wish>,
+    /// An array for each wish.
+    pub names: Vec<String>,
+    /// Confidence in each value.
+    pub confidence: Option<Vec<f64>>,
+    /// Smoothness asked at each vertex.
+    pub smoothness: Option<Vec<f64>>,
 }
 
 /// Runs the command.
@@ -152,7 +157,7 @@ fn smooth_all(args: &SmoothArgs, plans: &[Plan<'_>], talk: &Talk) -> Result<Vec<
 }
 
 /// The options of the library for one field.
-fn options<'a>(args: &SmoothArgs, plan: &'a Plan<'_>) -> Result<SmoothOptions<'a>, Failure> {
+pub fn options<'a>(args: &SmoothArgs, plan: &'a Plan<'_>) -> Result<SmoothOptions<'a>, Failure> {
     let Some(wish) = plan.wishes.first() else { return Err(Failure::usage("found no wanted extrema; expected some")) };
     Ok(SmoothOptions {
         select_on: match args.select {

@@ -73,7 +73,7 @@ pub fn write_and_audit(
 
 impl Produced<'_> {
     /// The array: the result on the domain, the input's own values elsewhere.
-    fn array(&self) -> DataArray {
+    pub fn array(&self) -> DataArray {
         let mut on_points = self.input.on_points.clone();
         self.input.domain.extend(self.values, &mut on_points);
         let data = match self.input.precision {
@@ -84,7 +84,7 @@ impl Produced<'_> {
     }
 
     /// The verdict on values read from the file.
-    fn judge(&self, values: &[f64]) -> Result<AuditReport, morsmooth::field::FieldError> {
+    pub fn judge(&self, values: &[f64]) -> Result<AuditReport, morsmooth::field::FieldError> {
         let rule = |vertex: VertexId| match self.rules[vertex.index()] {
             ValueRule::Free => None,
             ValueRule::Exactly(value) => Some(morsmooth::audit::ValueRule::Exactly(value)),

@@ -49,8 +49,7 @@ impl OfDeterminant for Weighted {
         if determinant >= 1.0 {
             return [0.0; 3];
         }
-        // Written so that NaN is refused as well.
-        if !(determinant > 0.0) {
+        if determinant.is_nan() || determinant <= 0.0 {
             return [f64::INFINITY, 0.0, 0.0];
         }
         let left = 1.0 - determinant;

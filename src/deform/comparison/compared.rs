@@ -109,8 +109,7 @@ impl<'a> Comparison<'a> {
     /// Judges where a method ended.
     pub(super) fn compared(&self, positions: Vec<f64>, ending: Ending, (iterations, rounds): (usize, usize)) -> Result<Compared, DeformError> {
         let determinants = self.deformer.rest().determinants(&positions)?;
-        // Written so that NaN counts as inverted.
-        let inverted = (0..determinants.len()).filter(|&element| !(determinants[element] > 0.0)).collect();
+        let inverted = (0..determinants.len()).filter(|&element| determinants[element].is_nan() || determinants[element] <= 0.0).collect();
         let energy = self.deformer.energy(self.rotations, self.targets, &positions)?;
         Ok(Compared { positions, ending, iterations, rounds, inverted, energy })
     }

@@ -91,7 +91,7 @@ impl Comparison<'_> {
 
 /// Refuses options that are not positive numbers.
 pub(super) fn positive(options: &[f64]) -> Result<(), DeformError> {
-    match options.iter().position(|value| !(*value > 0.0)) {
+    match options.iter().position(|value| value.is_nan() || *value <= 0.0) {
         Some(index) => Err(DeformError::Number {
             what: "option of the comparison",
             index,

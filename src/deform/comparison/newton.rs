@@ -117,7 +117,12 @@ impl<'a> Newton<'a> {
             let mut moved = along(x, &step, length);
             if decrement > ROUNDING * scale || !self.value(energy, targets, &moved).is_finite() {
                 let mut trials = 1;
-                while !(self.value(energy, targets, &moved) <= value - SLOPE * length * decrement) {
+                // Infinite and NaN energies are no decrease either.
+                let decreases = |moved: &[f64], length: f64| {
+                    let reached = self.value(energy, targets, moved);
+                    reached.is_finite() && reached <= value - SLOPE * length * decrement
+                };
+                while !decreases(&moved, length) {
                     if trials == TRIALS {
                         return Ok(Ending::Stuck);
                     }
@@ -197,9 +202,9 @@ impl<'a> Newton<'a> {
                 (0..D).map(|e| local.hessian[row][axis * D + e] * corners[corner][e]).sum::<f64>()
             };
             let mut slot = 0;
-            for p in 0..width {
+            for (p, slot_of_force) in force.iter_mut().enumerate() {
                 let (corner, axis) = (p / D, p % D);
-                force[p] = (0..D).map(|c| corners[corner][c] * local.gradient[axis * D + c]).sum();
+                *slot_of_force = (0..D).map(|c| corners[corner][c] * local.gradient[axis * D + c]).sum();
                 for q in 0..=p {
                     matrix[slot] = (0..D).map(|c| corners[corner][c] * image(q, axis * D + c)).sum();
                     slot += 1;

@@ -7,7 +7,7 @@ use crate::io::error::Fault;
 use crate::io::write::Objection;
 
 use super::shapes::Shapes;
-use super::{gmsh, gmsh_write, medit, obj, off, ply, series, stl};
+use super::{gmsh, gmsh_write, medit, obj, off, ply, png, series, stl};
 
 /// A format of a mesh file, named by its extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,18 +18,20 @@ pub(in crate::io) enum MeshFormat {
     Stl,
     Medit,
     Gmsh,
+    Png,
     /// A table with this separator.
     Table(u8),
 }
 
 impl MeshFormat {
-    const EXTENSIONS: [(&'static str, Self); 8] = [
+    const EXTENSIONS: [(&'static str, Self); 9] = [
         ("obj", Self::Obj),
         ("off", Self::Off),
         ("ply", Self::Ply),
         ("stl", Self::Stl),
         ("mesh", Self::Medit),
         ("msh", Self::Gmsh),
+        ("png", Self::Png),
         ("csv", Self::Table(b',')),
         ("tsv", Self::Table(b'\t')),
     ];
@@ -46,6 +48,7 @@ impl MeshFormat {
             Self::Stl => stl::read(bytes),
             Self::Medit => medit::read(bytes),
             Self::Gmsh => gmsh::read(bytes),
+            Self::Png => png::read(bytes),
             Self::Table(_) => series::read(bytes),
         }
     }
@@ -58,6 +61,9 @@ impl MeshFormat {
         if let Self::Table(_) = self {
             return series::check(dataset).map(|()| series::losses(dataset));
         }
+        if self == Self::Png {
+            return png::losses(dataset);
+        }
         let shapes = Shapes::of(dataset)?;
         shapes.check(self)?;
         Ok(shapes.losses(self, dataset))
@@ -67,6 +73,9 @@ impl MeshFormat {
         if let Self::Table(delimiter) = self {
             return series::write(dataset, delimiter, out);
         }
+        if self == Self::Png {
+            return png::write(dataset, out);
+        }
         let shapes = Shapes::of(dataset).map_err(|(found, expected)| invalid(found, expected))?;
         match self {
             Self::Obj => obj::write(&shapes, out),
@@ -75,7 +84,7 @@ impl MeshFormat {
             Self::Stl => stl::write(&shapes, out),
             Self::Medit => medit::write(&shapes, dataset, out),
             Self::Gmsh => gmsh_write::write(&shapes, dataset, out),
-            Self::Table(_) => Ok(()),
+            Self::Png | Self::Table(_) => Ok(()),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Mesh files of other programs: `.obj .off .ply .stl .mesh .msh`; tables: `.csv .tsv`.
+//! Mesh files of other programs: `.obj .off .ply .stl .mesh .msh`; tables: `.csv .tsv`; images: `.png`.
 //!
 //! Points keep their numbers, since handles and extrema are named by them; the crate `tobj` renumbers points by group and
 //! no maintained crate reads `.off`, Medit or Gmsh files, so these four are read here. `.ply` and `.stl` go through crates.
@@ -12,6 +12,7 @@ mod obj;
 mod off;
 mod parts;
 mod ply;
+mod png;
 mod series;
 mod shapes;
 mod stl;
@@ -20,5 +21,6 @@ mod table;
 pub(super) use format::MeshFormat;
 pub(super) use parts::{kind, poly_data};
 pub(super) use shapes::Shapes;
+pub use png::image_dataset;
 pub use series::polyline;
 pub use table::{Table, TableAxis};

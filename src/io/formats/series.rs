@@ -16,19 +16,23 @@ const COLUMNS: &str = "table_columns";
 const ALONG: &str = "table_along";
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Reads a table as a polyline: a point a row, in the order of the rows, and lines between neighbours along x.
-///
-/// x is the first column of dates, as days since 1970-01-01, if no day is there twice; else the first column of numbers that rise or fall
-/// strictly from row to row; else the number of the row. All other columns of numbers become point arrays with NaN where a
-/// value is missing; texts, and the dates as they stand in the file, become string arrays.
+/// Reads a table as a polyline along the column that [`axis_column`] finds, else along the numbers of the rows.
 pub(super) fn read(bytes: &[u8]) -> Result<DataSet, Fault> {
     let table = csv::read(bytes)?;
     let along = axis_column(&table);
-    let x = along.as_ref().map_or_else(|| (0..table.len()).map(|row| row as f64).collect(), |(_, axis)| axis.values.clone());
+    Ok(dataset(&table, along.as_ref()))
+}
+
+/// A table as a polyline: a point a row, in the order of the rows, and lines between neighbours along x.
+///
+/// All columns of numbers but x become point arrays with NaN where a value is missing; texts, and dates as they stand in the file,
+/// become string arrays.
+pub(super) fn dataset(table: &Table, along: Option<&(usize, TableAxis)>) -> DataSet {
+    let x = along.map_or_else(|| (0..table.len()).map(|row| row as f64).collect(), |(_, axis)| axis.values.clone());
     let mut dataset = polyline(&x, &rising(&x));
-    let is_numeric_axis = |column: usize| along.as_ref().is_some_and(|(own, axis)| *own == column && !axis.is_dates);
+    let is_numeric_axis = |column: usize| along.is_some_and(|(own, axis)| *own == column && !axis.is_dates);
     for column in (0..table.width()).filter(|&column| !is_numeric_axis(column)) {
-        let is_axis = along.as_ref().is_some_and(|(own, _)| *own == column);
+        let is_axis = along.is_some_and(|(own, _)| *own == column);
         let data = match table.numbers_or_fault(column) {
             Ok(values) if !is_axis => ArrayData::F64(values),
             _ => ArrayData::String((0..table.len()).map(|row| table.cell(row, column).as_bytes().to_vec()).collect()),
@@ -38,13 +42,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<DataSet, Fault> {
     let texts = |names: &[String]| ArrayData::String(names.iter().map(|name| name.as_bytes().to_vec()).collect());
     dataset.field_data.push(DataArray::new(COLUMNS, 1, texts(&table.names)));
     if let Some((column, _)) = along {
-        dataset.field_data.push(DataArray::new(ALONG, 1, texts(&table.names[column..=column])));
+        dataset.field_data.push(DataArray::new(ALONG, 1, texts(&table.names[*column..=*column])));
     }
-    Ok(dataset)
+    dataset
 }
 
-/// The column that the points lie along.
-fn axis_column(table: &Table) -> Option<(usize, TableAxis)> {
+/// The column that a series lies along: the first of dates, if no day is there twice; else the first of numbers that rise or fall strictly
+/// from row to row.
+pub(super) fn axis_column(table: &Table) -> Option<(usize, TableAxis)> {
     let axes = || (0..table.width()).filter_map(|column| Some((column, table.axis_or_fault(column).ok()?)));
     let is_strict = |values: &[f64]| {
         values.windows(2).all(|pair| pair[0] < pair[1]) || values.windows(2).all(|pair| pair[0] > pair[1])
@@ -54,7 +59,7 @@ fn axis_column(table: &Table) -> Option<(usize, TableAxis)> {
 }
 
 /// The rows by rising x.
-fn rising(x: &[f64]) -> Vec<usize> {
+pub(super) fn rising(x: &[f64]) -> Vec<usize> {
     let mut rows: Vec<usize> = (0..x.len()).collect();
     rows.sort_by(|&a, &b| x[a].total_cmp(&x[b]).then(a.cmp(&b)));
     rows

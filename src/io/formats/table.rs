@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::io::dataset::DataSet;
 use crate::io::error::{Fault, IoError, Place, quoted};
 use crate::io::pending::PendingFile;
 
-use super::csv;
+use super::{csv, series};
 
 /// A row: its line in the file, counted from 1, and its cells.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -48,6 +49,13 @@ pub struct TableAxis {
     pub values: Vec<f64>,
     /// Whether the cells are dates.
     pub is_dates: bool,
+}
+
+impl TableAxis {
+    /// The place that a text names: a number, or, along dates, a date; `None` if it names none.
+    pub fn place(&self, text: &str) -> Option<f64> {
+        if self.is_dates { csv::day(text) } else { text.parse().ok().filter(|place: &f64| place.is_finite()) }
+    }
 }
 
 /// What a cell is.
@@ -228,6 +236,33 @@ impl Table {
         };
         let values: Result<Vec<f64>, Fault> = self.rows.iter().map(checked).collect();
         values.map(|values| TableAxis { values, is_dates })
+    }
+
+    /// The column that a series in this table lies along: the first of dates, if no day is there twice; else the first of numbers that
+    /// rise or fall strictly from row to row; `None` if there is neither.
+    pub fn series_column(&self) -> Option<usize> {
+        series::axis_column(self).map(|(column, _)| column)
+    }
+
+    /// The table as a polyline along a column: a point a row, in the order of the rows, and lines between neighbours along x, dates as
+    /// days since 1970-01-01.
+    ///
+    /// All other columns of numbers become point arrays with NaN where a value is missing; texts, and dates as they stand in the
+    /// file, become string arrays.
+    ///
+    /// # Errors
+    /// As [`Table::axis`]; [`IoError::Malformed`] where two rows have the same x.
+    pub fn series(&self, along: usize) -> Result<DataSet, IoError> {
+        let axis = self.axis(along)?;
+        let rows = series::rising(&axis.values);
+        if let Some(pair) = rows.windows(2).find(|pair| axis.values[pair[0]] == axis.values[pair[1]]) {
+            let (first, second) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
+            let place = Place::Cell { line: self.line(second), column: along + 1 };
+            let found = format!("{} in column {}", quoted(self.cell(second, along)), quoted(&self.names[along]));
+            let expected = format!("another place than that of line {}", self.line(first));
+            return Err(Fault::new(place, found, expected).in_file(&self.path));
+        }
+        Ok(series::dataset(self, Some(&(along, axis))))
     }
 
     /// Adds a column of texts on the right, or replaces the cells of the one that has this name.

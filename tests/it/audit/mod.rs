@@ -1,5 +1,7 @@
 //! The judge: right on its own, and not fooled by planted defects.
 
+mod orientation;
+
 use morsmooth::audit::{
     ExtremumType, LISTED_DEFECTS, MovedValue, Plateaus, ValueRule, Wanted, audit, extrema, strict_extrema,
 };

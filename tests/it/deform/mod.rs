@@ -1,6 +1,8 @@
 //! The assembled problem against energies and eigenvalues computed apart from it, and refusals.
 
 mod assembly;
+mod comparison;
+mod driver;
 mod refusals;
 mod scene;
 mod skinning;

@@ -3,6 +3,7 @@
 mod damage;
 mod domains;
 mod handles;
+mod images;
 mod meshes;
 mod parallel;
 mod encodings;

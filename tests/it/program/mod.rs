@@ -1,16 +1,22 @@
 //! Runs of the program: what it writes, what it says, what it refuses.
 
+mod animate;
 mod bad_fields;
 mod bad_files;
 mod bad_usage;
 mod command;
+mod by_hand;
 mod complex;
+mod deform;
+mod diffuse;
 mod fields;
+mod handles;
 mod kinds;
 mod options;
 mod persistence;
 mod pose;
 mod queries;
+mod series;
 mod simplify;
 mod unusual;
 mod weights;

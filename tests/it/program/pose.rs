@@ -47,7 +47,7 @@ fn a_shift_stretches_what_lies_between() {
         assert_eq!(before.field_data, after.field_data);
         let report = bench.json("r.json");
         assert_eq!((report["inversions"]["count"].as_u64(), report["method"].as_str()), (Some(0), Some(method)));
-        assert!(std::fs::read(bench.path("p/after.png")).unwrap().starts_with(b"\x89PNG"));
+        assert!(std::fs::read(bench.path("p/before_after.png")).unwrap().starts_with(b"\x89PNG"));
     }
 }
 
@@ -148,6 +148,12 @@ fn outlines_are_filled_on_the_way() {
     bench.text("o.csv", "x,y\n0,0\n4,0\n4,1\n0,1\n");
     bench.text("bow.csv", "x,y\n0,0\n2,2\n2,0\n0,2\n");
     bench.text("pose.json", SHIFT);
+    let run = bench.run(&["convert", "o.csv", "o.vtp", "--outline", "--max-edge", "10%"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let mesh = bench.read("o.vtp");
+    assert!(matches!(mesh.geometry, Geometry::PolyData { .. }) && (60..600).contains(&mesh.cell_count()), "{}", mesh.cell_count());
+    assert_eq!(mesh.points_f64()[1], [4.0, 0.0, 0.0]);
+    bench.refuses(&["convert", "bow.csv", "bow.vtp", "--outline"], &["error: bow.csv: found the segment from point 0 of ring 0 to point 1 crosses"]);
     // An outline has no weights: they must come from a mesh that was made of it.
     bench.refuses(&["pose", "o.csv", "o.csv", "pose.json", "out.vtp"], &["error: o.csv: found no field data array 'handle_names'"]);
     bench.refuses(&["pose", "bow.csv", "bow.csv", "pose.json", "out.vtp"], &["error: bow.csv: found the segment from point 0 of ring 0 to point 1 crosses"]);
