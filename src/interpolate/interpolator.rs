@@ -7,7 +7,7 @@ use crate::mesh::SimplicialComplex;
 use crate::monotone::{EnergyWeights, Operators, energy_parts};
 use crate::morse::WantedExtrema;
 use crate::operators::positive_laplacian;
-use crate::qp::{Engine, KktForm, Minimum, Objective, QpStatus, Term};
+use crate::qp::{Engine, Minimum, Objective, QpStatus, Term};
 
 use super::bounded::{Bounded, Box01, Ending};
 use super::boundary::fixed_values;
@@ -171,9 +171,7 @@ impl<'a> Interpolator<'a> {
         let (smooth, dirichlet) = (chain(order), chain(1));
         let terms = vec![Term::Matrix(positive_laplacian(complex)?)];
         let positive = Objective { terms, linear: vec![0.0; n], constant: 0.0 };
-        // Without data the estimate of `Automatic`, which knows no appendages, trusts the formed matrix of order 4 too far.
-        let form = if order == 4 { KktForm::Mixed } else { KktForm::Automatic };
-        let engines = vec![Engine::in_form(&smooth, None, Some(complex.points()), form)?];
+        let engines = vec![Engine::new(&smooth, None, Some(complex.points()))?];
         let laplace = Engine::new(&dirichlet, None, Some(complex.points()))?;
         let component = complex.components();
         Ok(Self { complex, component, operators, order, smooth, engines, dirichlet, positive, laplace })

@@ -44,11 +44,16 @@ pub fn of_handles(handles: &[Vec<VertexId>]) -> Vec<BoundaryValues> {
     (0..handles.len()).map(values).collect()
 }
 
+/// A point handle at the tip of each tooth.
+pub fn tips_of_comb(complex: &SimplicialComplex) -> Vec<Vec<VertexId>> {
+    [1.0, 11.0, 21.0, 31.0].map(|x| vec![nearest(complex, [x, 8.0, 0.0])]).to_vec()
+}
+
 /// Three handles on the comb: a point, a bone of joined vertices, a region with inner vertices.
 pub fn handles_of_comb(complex: &SimplicialComplex) -> Vec<Vec<VertexId>> {
     let point = vec![nearest(complex, [1.0, 8.0, 0.0])];
     let bone: Vec<VertexId> = (8..14).map(|x| nearest(complex, [f64::from(x), 0.8, 0.0])).collect();
-    let near = |p: [f64; 3]| (p[0] - 31.5).abs() < 2.2 && (p[1] - 7.0).abs() < 0.9;
+    let near = |p: [f64; 3]| (p[0] - 31.5).abs() < 2.2 && p[1] > 6.5;
     let region = (0..complex.vertex_count()).map(VertexId::from).filter(|&vertex| near(complex.point(vertex))).collect();
     vec![point, bone, region]
 }
