@@ -8,6 +8,7 @@ mod command;
 mod complex;
 mod deform;
 mod fields;
+mod geodesic;
 mod kinds;
 mod options;
 mod persistence;
