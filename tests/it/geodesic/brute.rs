@@ -93,7 +93,7 @@ impl Search<'_> {
 fn compare(complex: &SimplicialComplex) {
     let table = all_distances(complex);
     let scale = table.iter().flatten().filter(|d| d.is_finite()).fold(0.0f64, |most, &d| most.max(d));
-    for (source, row) in table.iter().enumerate() {
+    for (source, row) in table.iter().enumerate().filter(|&(source, _)| !complex.star(VertexId::from(source)).is_empty()) {
         for (vertex, (&found, &expected)) in from(complex, source).iter().zip(row).enumerate() {
             let is_same = found == expected || (found - expected).abs() <= 1e-10 * scale;
             assert!(is_same, "{source} to {vertex}: {found}, exhaustive search {expected}");

@@ -10,6 +10,7 @@ mod complex;
 mod deform;
 mod diffuse;
 mod fields;
+mod geodesic;
 mod handles;
 mod kinds;
 mod options;
