@@ -3,6 +3,7 @@
 mod assembly;
 mod comparison;
 mod driver;
+mod feasibility;
 mod refusals;
 mod scene;
 mod skinning;
