@@ -83,8 +83,9 @@ pub fn paint(complex: &SimplicialComplex, channels: [&[f64]; 3], size: PixelSize
     let samples = channels.map(|channel| rasterise(&triangles, &view, channel, fit, (width, height)).value);
     let mut painting = Painting { width: width as u32, height: height as u32, rgba: Vec::new(), covered: 0, out_of_gamut: 0 };
     painting.rgba.reserve(4 * width * height);
-    for place in 0..width * height {
-        let colour = [samples[0][place], samples[1][place], samples[2][place]];
+    let [red, green, blue] = &samples;
+    for ((&red, &green), &blue) in red.iter().zip(green).zip(blue) {
+        let colour = [red, green, blue];
         if colour[0].is_nan() {
             painting.rgba.extend([0; 4]);
             continue;

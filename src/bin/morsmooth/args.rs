@@ -75,7 +75,8 @@ pub enum Command {
     Diffuse(Box<crate::diffuse::DiffuseArgs>),
     /// Smooth the columns of a table along one of them, numbers or dates, with exactly the wanted minima and maxima.
     ///
-    /// Steps may be irregular and values missing. Exit codes as those of 'smooth'.
+    /// Steps may be irregular and values missing. Every line ends in extrema: where the data have none there above the threshold, the ends
+    /// keep their values and may have a corner. Exit codes as those of 'smooth'.
     Series(Box<crate::series::SeriesArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),

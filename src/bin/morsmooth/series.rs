@@ -277,7 +277,8 @@ fn smooth<'a>(
             }
             // The last step of the noise at an end, which only is an extremum because every line ends in one, would bend the whole
             // series: its energy is that of a feature as long as one step.
-            for &end in &unavoidable {
+            // At order 1 there are corners everywhere.
+            for &end in unavoidable.iter().filter(|_| args.order > 1) {
                 corners.push(end);
                 corners.extend(complex.neighbours(end));
             }

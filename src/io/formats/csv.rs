@@ -31,7 +31,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Table, Fault> {
             let line = error.position().map_or(Place::File, |position| Place::Line(position.line() as usize));
             Fault::new(line, error.to_string(), "rows of cells")
         })?;
-        let (line, comments) = scan.to_row(start);
+        let (line, comments) = scan.row_after(start);
         let above = table.rows.len();
         table.comments.extend(comments.into_iter().map(|comment| (above, comment)));
         if !more {
@@ -94,7 +94,7 @@ struct Scan<'a> {
 
 impl Scan<'_> {
     /// Goes on to a row that starts, after blank lines and comments, at byte `start`: its line, and these comments.
-    fn to_row(&mut self, start: usize) -> (usize, Vec<String>) {
+    fn row_after(&mut self, start: usize) -> (usize, Vec<String>) {
         self.line += self.bytes[self.place..start].iter().filter(|&&byte| byte == b'\n').count();
         self.place = start;
         let mut comments = Vec::new();
