@@ -383,10 +383,10 @@ impl Scene {
 
     /// An error of the library as one about the file.
     fn failure(&self, args: &WeightsArgs, error: &InterpolateError) -> Failure {
-        if let InterpolateError::Operator(OperatorError::ZeroMeasure { .. }) = error {
-            if let Err(fault) = check(&self.domain) {
-                return Failure::file(&args.mesh, fault);
-            }
+        if let InterpolateError::Operator(OperatorError::ZeroMeasure { .. }) = error
+            && let Err(fault) = check(&self.domain)
+        {
+            return Failure::file(&args.mesh, fault);
         }
         Failure::file(&args.mesh, error)
     }
