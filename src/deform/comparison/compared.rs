@@ -44,8 +44,8 @@ pub struct Compared {
 /// let handles = [0, 1, 2, 3].map(Into::into);
 /// let targets = [[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let deformer = Deformer::new(&square, &handles, DeformOptions::default())?;
-/// let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// let comparison = Comparison::new(&deformer, &[identity; 2], &targets)?;
+/// let rotations = [[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; 2];
+/// let comparison = Comparison::new(&deformer, &rotations, &targets)?;
 /// assert_eq!(comparison.ex_rotated()?.inverted, [0, 1]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
