@@ -85,6 +85,12 @@ impl<'a> Controlled<'a> {
         }
     }
 
+    /// The objective of the smooth function with the given values, below which no function with these values can be.
+    pub fn bound(&self, pinned: &[f64]) -> f64 {
+        let scaled: Vec<f64> = pinned.iter().map(|value| (value - self.shift) / self.unit).collect();
+        self.objective.value(&scaled)
+    }
+
     /// Directions from a field on the vertices; where its order cannot serve, from the harmonic function or, in the end, from the graph
     /// alone.
     pub fn directions(&self, asked: &[f64], harmonic: &[f64]) -> Result<Directions, InterpolateError> {

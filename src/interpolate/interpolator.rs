@@ -19,6 +19,8 @@ use super::InterpolateError;
 
 /// Largest residual, measured in product form, at which a result is accepted.
 const RESIDUAL: f64 = 1e-8;
+/// A result within this part of the bound, the energy without order constraints, is good enough not to try other directions.
+const NEAR_BOUND: f64 = 0.01;
 /// A row counts as active if the solution is this much closer to it than the range of the values.
 const ACTIVE: f64 = 1e-7;
 
@@ -413,7 +415,12 @@ impl<'a> Interpolator<'a> {
             Guide::Automatic => &both,
         };
         let mut strict: Option<Strict> = None;
+        let bound = controlled.bound(pinned);
         for field in asked {
+            // No other directions could gain more than the distance to the bound.
+            if strict.as_ref().is_some_and(|found| found.solution.objective <= (1.0 + NEAR_BOUND) * bound) {
+                break;
+            }
             let directions = controlled.directions(field, harmonic)?;
             let found = controlled.solve(engine, directions, pinned)?;
             strict = Some(match strict.take() {

@@ -58,7 +58,8 @@ impl Mass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Guide {
-    /// For orders 1 and 2 the polyharmonic function; for 3 and 4 both of the others, and the result with less energy. Measured on planar,
+    /// For orders 1 and 2 the polyharmonic function; for 3 and 4 also the harmonic one, unless the first result is within a per cent of
+    /// the least possible energy, and the result with less energy. Measured on planar,
     /// surface and solid meshes: within a per cent of each other at order 2; at order 4 either was up to 2.5 times better.
     #[default]
     Automatic,

@@ -1,6 +1,7 @@
 """Meshes, handles and the independent count of extrema for the bars of skinning weights. Needs numpy and scipy; reads VTK with pyvista."""
 import json
 import os
+import resource
 import subprocess
 
 import numpy as np
@@ -21,6 +22,12 @@ def read_mesh(path):
         points = np.array(words[3:3 + 3 * n], dtype=float).reshape(n, 3)
         rest = np.array(words[3 + 3 * n:3 + 3 * n + 4 * m], dtype=int).reshape(m, 4)
         return points, rest[:, 1:]
+    if path.endswith(".obj"):
+        # VTK's reader makes new points along the seams of textures.
+        lines = [line.split() for line in open(path)]
+        points = np.array([line[1:4] for line in lines if line[:1] == ["v"]], dtype=float)
+        faces = [[int(word.split("/")[0]) - 1 for word in line[1:]] for line in lines if line[:1] == ["f"]]
+        return points, np.array([[face[0], face[i], face[i + 1]] for face in faces for i in range(1, len(face) - 1)])
     mesh = pv.read(path)
     if isinstance(mesh, pv.PolyData):
         return np.array(mesh.points, dtype=float), mesh.triangulate().faces.reshape(-1, 4)[:, 1:]
@@ -98,13 +105,13 @@ def write_points(path, points, chosen):
 def run_weights(program, mesh, output, handles, report, *options):
     """The report of a run; exit code 1 of a run that was kept is left to the caller."""
     call = [program, "weights", mesh, output, "--handles", handles, "--report", report, "--quiet", *map(str, options)]
-    begin = os.times()
+    begin = resource.getrusage(resource.RUSAGE_CHILDREN)
     child = subprocess.run(call, capture_output=True, text=True)
-    end = os.times()
+    end = resource.getrusage(resource.RUSAGE_CHILDREN)
     if child.returncode not in (0, 1) or not os.path.exists(report):
         return {"failed": (child.stderr or child.stdout).strip().splitlines()[-1:]}
     told = json.load(open(report))
     os.remove(report)
     told["exit"] = child.returncode
-    told["processor"] = (end.children_user + end.children_system) - (begin.children_user + begin.children_system)
+    told["processor"] = (end.ru_utime + end.ru_stime) - (begin.ru_utime + begin.ru_stime)
     return told
