@@ -44,6 +44,9 @@
 //! * Günther, Jacobson, Reininghaus, Seidel, Sorkine-Hornung, Weinkauf 2014: refinement of the representative function.
 //! * Jacobson, Baran, Popović, Sorkine 2011, *Bounded biharmonic weights for real-time deformation*: bounded weights.
 //! * Liu, Gao, Zhu, Sifakis, Kavan 2016, *Fast and robust inversion-free shape manipulation*: deformation, penalty continuation.
+//! * Jacobson, Baran, Popović, Sorkine 2011: bounded biharmonic weights. Kavan, Collins, Žára, O'Sullivan 2008: dual quaternions.
+//! * Surazhsky, Surazhsky, Kirsanov, Gortler, Hoppe 2005; Xin, Wang 2009; Qin, Han, Yu, Yu, Zhang 2016: exact distances.
+//! * Crane, Weischedel, Wardetzky 2013: distances by heat. Ruppert 1995: triangles in an outline.
 //! * Mehrotra 1992; Gondzio 1996: the interior point method.
 //! * Burman, Chow, Nolan 1994: the smoothing length.
 #![forbid(unsafe_code)]
