@@ -6,8 +6,7 @@ use super::SimplicialComplex;
 use crate::field::VertexId;
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
 use spade::{
-    AngleLimit, ConstrainedDelaunayTriangulation, Intersection, LineIntersectionIterator, Point2, PositionInTriangulation,
-    RefinementParameters, Triangulation,
+    AngleLimit, ConstrainedDelaunayTriangulation, Intersection, LineIntersectionIterator, Point2, RefinementParameters, Triangulation,
 };
 use std::collections::{BTreeMap, VecDeque};
 
@@ -55,7 +54,13 @@ pub fn triangulate(rings: &[Vec<[f64; 2]>], options: &OutlineOptions) -> Result<
     let mut triangles = Triangles::new();
     let handles = insert_points(&mut triangles, &rings)?;
     insert_segments(&mut triangles, &rings, &handles)?;
-    refine(&mut triangles, options, diagonal)?;
+    let longest = match options.max_edge {
+        Size::Fraction(part) => part * diagonal,
+        Size::Absolute(length) => length,
+        Size::Unbounded => f64::INFINITY,
+    };
+    let mut triangles = with_short_segments(triangles, &rings, longest, options.max_vertices)?;
+    refine(&mut triangles, options, longest)?;
     assemble(&triangles, &rings)
 }
 
@@ -150,13 +155,63 @@ fn crossing([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> [f64; 2] {
     [a[0] + share * along[0], a[1] + share * along[1]]
 }
 
-/// Adds points until angles, areas and edges are as asked.
-fn refine(triangles: &mut Triangles, options: &OutlineOptions, diagonal: f64) -> Result<(), OutlineError> {
-    let longest = match options.max_edge {
-        Size::Fraction(part) => part * diagonal,
-        Size::Absolute(length) => length,
-        Size::Unbounded => f64::INFINITY,
+/// The same with every segment divided into equal parts that are short enough; given points come first.
+fn with_short_segments(
+    whole: Triangles,
+    rings: &[Vec<[f64; 2]>],
+    longest: f64,
+    most: usize,
+) -> Result<Triangles, OutlineError> {
+    // Rounding must not make a part too long.
+    let parts = |from: [f64; 2], to: [f64; 2]| ((to[0] - from[0]).hypot(to[1] - from[1]) / longest * (1.0 + 1e-9)).ceil().max(1.0);
+    let segments = || rings.iter().flat_map(|ring| ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)));
+    let count: f64 = segments().map(|(from, to)| parts(from, to)).sum();
+    if count == whole.num_vertices() as f64 {
+        return Ok(whole);
+    }
+    if count > most as f64 {
+        return Err(OutlineError::TooMany { allowed: most });
+    }
+    let too_fine = OutlineError::TooFine { longest };
+    let mut triangles = Triangles::new();
+    let mut insert = |[x, y]: [f64; 2]| {
+        let next = triangles.num_vertices();
+        // A place that is there already, or too near to zero for the predicates.
+        triangles.insert(Point2::new(x, y)).ok().filter(|handle| handle.index() == next)
     };
+    for &place in rings.iter().flatten() {
+        insert(place).ok_or_else(|| too_fine.clone())?;
+    }
+    let mut chains = Vec::new();
+    let mut first = 0;
+    for ring in rings {
+        for (point, &from) in ring.iter().enumerate() {
+            let after = (point + 1) % ring.len();
+            let (to, parts) = (ring[after], parts(from, ring[after]));
+            let mut chain = vec![FixedVertexHandle::from_index(first + point)];
+            for part in 1..parts as usize {
+                let share = part as f64 / parts;
+                let place = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+                chain.push(insert(place).ok_or_else(|| too_fine.clone())?);
+            }
+            chain.push(FixedVertexHandle::from_index(first + after));
+            chains.push(chain);
+        }
+        first += ring.len();
+    }
+    for chain in chains {
+        for ends in chain.windows(2) {
+            if !triangles.can_add_constraint(ends[0], ends[1]) {
+                return Err(too_fine);
+            }
+            triangles.add_constraint(ends[0], ends[1]);
+        }
+    }
+    Ok(triangles)
+}
+
+/// Adds points until angles, areas and edges are as asked.
+fn refine(triangles: &mut Triangles, options: &OutlineOptions, longest: f64) -> Result<(), OutlineError> {
     // An equilateral triangle of the longest edge.
     let area = options.max_area.unwrap_or(f64::INFINITY).min(longest * longest * 3f64.sqrt() / 4.0);
     let enough = |found: usize| match found > options.max_vertices {
@@ -216,9 +271,8 @@ fn halve_long_edges(triangles: &mut Triangles, longest: f64, most: usize) -> Res
         for (_, ends, middle) in long {
             let [from, to] = ends.map(FixedVertexHandle::from_index);
             let Some(edge) = triangles.get_edge_from_neighbors(from, to) else { continue };
-            if edge.is_constraint_edge() {
-                split_constraint(triangles, from, to, middle);
-            } else if triangles.insert_with_hint(middle, from).is_err() {
+            // Segments are short already; points put on them afterwards are off them by rounding.
+            if edge.is_constraint_edge() || triangles.insert_with_hint(middle, from).is_err() {
                 // A coordinate too small for the predicates: only rounding can have made it, and another edge will do.
                 continue;
             }
@@ -230,25 +284,6 @@ fn halve_long_edges(triangles: &mut Triangles, longest: f64, most: usize) -> Res
             return Err(OutlineError::TooFine { longest });
         }
         count += triangles.num_vertices() - before;
-    }
-}
-
-/// Divides a segment of a ring; its two parts are segments again, wherever rounding puts the new point.
-fn split_constraint(triangles: &mut Triangles, from: FixedVertexHandle, to: FixedVertexHandle, middle: Point2<f64>) {
-    let Some(edge) = triangles.get_edge_from_neighbors(from, to) else { return };
-    let edge = edge.as_undirected().fix();
-    if let PositionInTriangulation::OnVertex(_) = triangles.locate_with_hint(middle, from) {
-        return;
-    }
-    triangles.remove_constraint_edge(edge);
-    if let Ok(vertex) = triangles.insert_with_hint(middle, from)
-        && triangles.can_add_constraint(from, vertex)
-        && triangles.can_add_constraint(vertex, to)
-    {
-        triangles.add_constraint(from, vertex);
-        triangles.add_constraint(vertex, to);
-    } else {
-        triangles.add_constraint(from, to);
     }
 }
 

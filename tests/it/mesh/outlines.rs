@@ -171,6 +171,25 @@ fn what_is_no_outline_is_refused() {
     }
 }
 
+/// One in forty of these lost a part of its area when long segments were divided after the triangulation.
+#[test]
+fn segments_longer_than_the_bound_are_divided() {
+    for seed in 0..200 {
+        let mut noise = Noise(seed);
+        let ring: Vec<[f64; 2]> = (0..6)
+            .map(|corner| {
+                let (sine, cosine) = (TAU * f64::from(corner) / 6.0).sin_cos();
+                let length = 1.0 - 0.18 * noise.next();
+                [length * cosine, length * sine]
+            })
+            .collect();
+        for longest in [0.15, 0.2] {
+            let rings = [ring.clone()];
+            check(&rings, &triangulate(&rings, &options(longest)).unwrap(), area(&ring), longest);
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
