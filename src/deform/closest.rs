@@ -20,6 +20,9 @@ const ITERATIONS: usize = 60;
 /// Soft handles in place of hard ones.
 const ALPHA: f64 = 1e4;
 
+/// What was given up, the result, and the rotations that it is for.
+type Found = (Substitute, Solved, Vec<[[f64; 3]; 3]>);
+
 impl DeformSolver {
     /// Gives up what contradicts itself, the least first: hard handles become soft ones; then elements whose cone cannot hold take the
     /// rotation that they have in the shape found, round by round; then all rotations are drawn to their mean, for which the
@@ -84,7 +87,7 @@ impl DeformSolver {
         first: Solved,
         options: &SolveOptions,
         (effort, preview): (&mut Effort, &mut dyn FnMut(DeformPreview<'_>)),
-    ) -> Result<(Substitute, Solved, Vec<[[f64; 3]; 3]>), DeformError> {
+    ) -> Result<Found, DeformError> {
         let mut rotations = asked.to_vec();
         // Folded rest elements are where the asked rotations mean least.
         let mut is_other = vec![false; asked.len()];

@@ -52,10 +52,12 @@ fn read_file(path: &Path, follows: bool) -> Result<DataSet, IoError> {
         step = bytes.len() as u64;
     }
     (&file).read_to_end(&mut bytes).map_err(failed)?;
-    if follows && is_xml(&bytes) && names_files(&bytes) {
-        if let Some(index) = xml::index(&bytes).map_err(|fault| fault.in_file(path))? {
-            return read_indexed(path, index, |part| read_file(part, false));
-        }
+    if follows
+        && is_xml(&bytes)
+        && names_files(&bytes)
+        && let Some(index) = xml::index(&bytes).map_err(|fault| fault.in_file(path))?
+    {
+        return read_indexed(path, index, |part| read_file(part, false));
     }
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     read_bytes(&bytes, MeshFormat::of_extension(extension)).map_err(|fault| fault.in_file(path))
