@@ -7,7 +7,7 @@ use super::{
 use crate::audit::{Precision, orientations};
 use crate::linalg::small::{from_scaled, scaled_length, smallest_eigenvalue};
 use crate::mesh::SimplicialComplex;
-use crate::qp::{Engine, FactorPrecision, Iterate, PenaltyOptions, Problem, QpStatus, Solution};
+use crate::qp::{Engine, FactorPrecision, Iterate, Known, PenaltyOptions, Problem, QpStatus, Solution};
 
 /// Operations of a factorisation from which single precision pays although it needs more solves.
 const HEAVY: f64 = 1e11;
@@ -222,7 +222,9 @@ impl DeformSolver {
             SolveMethod::InteriorPoint => {
                 let last = self.last.as_ref().filter(|_| options.begin == Begin::Warm);
                 let warm = last.map(|iterate| (&iterate.x[..], &iterate.dual[..]));
-                self.engine.solve_watched(&problem, warm, &options.settings, &mut |at, x| show(at.iteration, x, at.gap, None))?
+                let inside = self.deformer.turned_rest(rotations, &reference);
+                let known = Known { warm, inside: inside.as_deref() };
+                self.engine.solve_watched(&problem, known, &options.settings, &mut |at, x| show(at.iteration, x, at.gap, None))?
             }
             SolveMethod::Penalty(penalty) => {
                 let weights = Some(self.deformer.rest().measures().to_vec());
