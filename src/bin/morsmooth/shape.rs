@@ -4,12 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use morsmooth::deform::HeldVertices;
-use morsmooth::field::VertexId;
 use morsmooth::interpolate::{BoundaryValues, InterpolateOptions, Interpolator, Method};
 use morsmooth::io::{
     ArrayData, CellArray, DataArray, DataSet, Geometry, MaskSources, domain, mask, read, read_handles, read_mesh_or_outline, region_handles,
 };
-use morsmooth::mesh::{AttachOptions, AttachedHandles, Domain, Handle, HandleSet, HandleShape, OutlineOptions, Pose, Size, SimplicialComplex};
+use morsmooth::mesh::{AttachOptions, AttachedHandles, Domain, HandleError, HandleSet, OutlineOptions, Pose, Size, SimplicialComplex};
 use morsmooth::plot::Photograph;
 
 use crate::failure::Failure;
@@ -145,8 +144,10 @@ impl Rig {
             (None, None) => return Err(Failure::usage("found no handles; expected --handles FILE or --handle-array NAME")),
         };
         let source = args.handles.as_deref().unwrap_or(&shape.path);
-        let set = on_vertices(set, shape, source)?;
-        let attached = set.attach(shape.complex(), &AttachOptions::default()).map_err(|error| Failure::file(source, error))?;
+        let told = |error: HandleError| Failure::file(source, error);
+        // Regions of a file count points; what follows counts vertices.
+        let set = set.renumbered(shape.domain.vertex_of_point()).map_err(told)?;
+        let attached = set.attach(shape.complex(), &AttachOptions::default()).map_err(told)?;
         let held = held(&attached);
         let (weights, source) = match &args.weights {
             Some(path) => (from_file(shape, path, &args.weights_prefix, attached.names())?, path.display().to_string()),
@@ -169,27 +170,6 @@ impl Rig {
         });
         own.chain(shared).collect()
     }
-}
-
-/// Regions of a file count points; what follows counts vertices.
-fn on_vertices(set: HandleSet, shape: &Shape, source: &Path) -> Result<HandleSet, Failure> {
-    let vertex_of_point = shape.domain.vertex_of_point();
-    let region = |name: &str, points: Vec<VertexId>| -> Result<Vec<VertexId>, Failure> {
-        let vertex = |point: VertexId| match vertex_of_point.get(point.index()) {
-            Some(Some(vertex)) => Ok(*vertex),
-            Some(None) => Err(format!("point {point} of region \"{name}\" is the corner of no element; expected one that is")),
-            None => Err(format!("region \"{name}\" names point {point}; expected less than {}", vertex_of_point.len())),
-        };
-        points.into_iter().map(|point| vertex(point).map_err(|text| Failure::file(source, text))).collect()
-    };
-    let handles = set.handles.into_iter().map(|Handle { name, shape }| {
-        let shape = match shape {
-            HandleShape::Region(points) => HandleShape::Region(region(&name, points)?),
-            other => other,
-        };
-        Ok(Handle { name, shape })
-    });
-    Ok(HandleSet { handles: handles.collect::<Result<_, Failure>>()?, cage_edges: set.cage_edges })
 }
 
 /// Own vertices of the handles, then shared ones, in the order of [`Rig::targets`].

@@ -245,6 +245,9 @@ fn refusals_name_what_is_wrong() {
     bench.refuses(&command(&["--hard", "--method", "lim"]), &["the handles are hard; this method of comparison needs soft ones"]);
     bench.text("far.json", r#"{"handles": [{"name": "lost", "point": [9, 9]}]}"#);
     bench.refuses(&["deform", "in.vtu", "out.vtu", "--handles", "far.json", "--pose", "p.json"], &["far.json", "handle \"lost\" is outside the mesh"]);
+    bench.text("far.json", r#"{"handles": [{"name": "none", "region": [999]}]}"#);
+    let words = ["far.json: region \"none\" names vertex 999; expected less than 49"];
+    bench.refuses(&["deform", "in.vtu", "out.vtu", "--handles", "far.json", "--pose", "p.json"], &words);
     bench.text("other.json", r#"{"handles": {"nose": {"rotation_degrees": 3}}}"#);
     bench.refuses(&["deform", "in.vtu", "out.vtu", "--handles", "h.json", "--pose", "other.json"], &["other.json", "nose"]);
     // A fold in the rest shape is named by its cells.
