@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use morsmooth::interpolate::{Guide, Method};
 use morsmooth::mesh::{OutlineOptions, Size};
 
 /// Smooth scalar fields with exactly the wanted minima and maxima.
@@ -422,7 +423,54 @@ pub enum KeepAlsoKind {
     Both,
 }
 
-/// Values of `--representative`.
+/// How a function is found whose values are given at some vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MethodKind {
+    /// Least Dirichlet energy, whatever the order.
+    Harmonic,
+    /// Least energy of the order, no other constraint.
+    Polyharmonic,
+    /// Least energy within the range of the given values; of order 2, bounded biharmonic weights.
+    Bounded,
+    /// Least energy without an extremum but at given values.
+    Monotone,
+}
+
+impl MethodKind {
+    /// As the library has it.
+    pub fn method(self) -> Method {
+        match self {
+            Self::Harmonic => Method::Harmonic,
+            Self::Polyharmonic => Method::Polyharmonic,
+            Self::Bounded => Method::Bounded,
+            Self::Monotone => Method::Monotone,
+        }
+    }
+}
+
+/// Values of `--representative` where there are no data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GuideKind {
+    /// For orders 1 and 2 the polyharmonic function, simplified; for 3 and 4 both, and what has less energy.
+    Automatic,
+    /// The polyharmonic function, simplified.
+    SmoothThenSimplify,
+    /// The harmonic function.
+    Harmonic,
+}
+
+impl GuideKind {
+    /// As the library has it.
+    pub fn guide(self) -> Guide {
+        match self {
+            Self::Automatic => Guide::Automatic,
+            Self::SmoothThenSimplify => Guide::SmoothThenSimplify,
+            Self::Harmonic => Guide::Harmonic,
+        }
+    }
+}
+
+/// Values of `--representative` of `smooth`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum StrategyKind {
     /// The smooth field, simplified.

@@ -12,11 +12,10 @@ use morsmooth::plot::{Painting, PixelSize, is_in_gamut, paint, to_bytes};
 use serde_json::{Value, json};
 
 use crate::Outcome;
-use crate::args::{OutlineArgs, TalkArgs};
+use crate::args::{MethodKind, OutlineArgs, TalkArgs};
 use crate::diffuse_colours::{Colour, given, image_colours, parse_colour};
 use crate::failure::Failure;
 use crate::input::FieldInput;
-use crate::interpolate::MethodKind;
 use crate::output::{check_output, check_target, is_same_place};
 use crate::report::{command_line, header, status_name, write_report};
 use crate::shape_input::{domain, fitting, load};

@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use morsmooth::audit::Plateaus;
-use morsmooth::interpolate::{BoundaryValues, Guide, InterpolateError, InterpolateOptions, Interpolated, Interpolator, Method, interpolate_wanted};
+use morsmooth::interpolate::{BoundaryValues, InterpolateError, InterpolateOptions, Interpolated, Interpolator, interpolate_wanted};
 use morsmooth::monotone::ValueRule;
 use morsmooth::plot::{FieldView, PictureOptions, field_picture};
 use morsmooth::qp::QpStatus;
 use serde_json::{Value, json};
 
 use crate::Outcome;
-use crate::args::{OutlineArgs, TalkArgs};
+use crate::args::{GuideKind, MethodKind, OutlineArgs, TalkArgs};
 use crate::by_hand::{HandWish, wanted, wishes};
 use crate::failure::Failure;
 use crate::input::FieldInput;
@@ -51,9 +51,9 @@ pub struct InterpolateArgs {
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
     pub order: u8,
 
-    /// The function from which edges take their directions.
+    /// The function that gives every edge its direction.
     #[arg(long, value_enum, default_value_t = GuideKind::Automatic)]
-    pub guide: GuideKind,
+    pub representative: GuideKind,
 
     /// Rounds in which the solution becomes the representative function of the next.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -82,42 +82,6 @@ pub struct InterpolateArgs {
     /// What is said, and threads.
     #[command(flatten)]
     pub talk: TalkArgs,
-}
-
-/// Values of `--method`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MethodKind {
-    /// Least Dirichlet energy.
-    Harmonic,
-    /// Least energy of the order, no other constraint.
-    Polyharmonic,
-    /// Least energy within the range of the given values.
-    Bounded,
-    /// Least energy without other extrema.
-    Monotone,
-}
-
-impl MethodKind {
-    /// As the library has it.
-    pub fn method(self) -> Method {
-        match self {
-            Self::Harmonic => Method::Harmonic,
-            Self::Polyharmonic => Method::Polyharmonic,
-            Self::Bounded => Method::Bounded,
-            Self::Monotone => Method::Monotone,
-        }
-    }
-}
-
-/// Values of `--guide`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum GuideKind {
-    /// For orders 1 and 2 the smooth function, for 3 and 4 the better of both.
-    Automatic,
-    /// The smooth function, simplified.
-    Smooth,
-    /// The harmonic function.
-    Harmonic,
 }
 
 /// Runs the command.
@@ -239,11 +203,7 @@ fn solve(args: &InterpolateArgs, input: &FieldInput, wishes: &[HandWish]) -> Res
     let complex = &input.domain.complex;
     let (extrema, rules) = wanted(wishes, complex.vertex_count());
     let options = InterpolateOptions {
-        guide: match args.guide {
-            GuideKind::Automatic => Guide::Automatic,
-            GuideKind::Smooth => Guide::SmoothThenSimplify,
-            GuideKind::Harmonic => Guide::Harmonic,
-        },
+        guide: args.representative.guide(),
         refine: args.refine,
         ..InterpolateOptions::default()
     };

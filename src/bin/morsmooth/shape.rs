@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use morsmooth::deform::HeldVertices;
 use morsmooth::interpolate::{BoundaryValues, InterpolateOptions, Interpolator, Method};
 use morsmooth::io::{
@@ -11,6 +11,7 @@ use morsmooth::io::{
 use morsmooth::mesh::{AttachOptions, AttachedHandles, Domain, HandleError, HandleSet, OutlineOptions, Pose, Size, SimplicialComplex};
 use morsmooth::plot::Photograph;
 
+use crate::args::MethodKind;
 use crate::failure::Failure;
 
 /// The shape and what moves it.
@@ -33,8 +34,8 @@ pub struct RigArgs {
     pub weights_prefix: String,
 
     /// How weights are computed.
-    #[arg(long, value_enum, default_value_t = WeightKind::Monotone, conflicts_with = "weights")]
-    pub weight_method: WeightKind,
+    #[arg(long, value_enum, default_value_t = MethodKind::Monotone, conflicts_with = "weights")]
+    pub weight_method: MethodKind,
 
     /// Order of the energy of computed weights, 1 to 4.
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4), conflicts_with = "weights")]
@@ -47,19 +48,6 @@ pub struct RigArgs {
     /// Triangles into which a photograph is cut, about.
     #[arg(long, value_name = "N", default_value_t = 60_000, value_parser = clap::value_parser!(u32).range(2..=20_000_000))]
     pub triangles: u32,
-}
-
-/// Values of `--weight-method`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum WeightKind {
-    /// No extremum but at handles.
-    Monotone,
-    /// Within 0 and 1.
-    Bounded,
-    /// Least Dirichlet energy, whatever the order.
-    Harmonic,
-    /// Least energy, no other constraint.
-    Polyharmonic,
 }
 
 /// A shape at rest.
@@ -210,12 +198,7 @@ fn computed(shape: &Shape, args: &RigArgs, attached: &AttachedHandles) -> Result
     if count == 1 {
         return Ok((vec![1.0; shape.complex().vertex_count()], "one handle has all the weight".to_owned()));
     }
-    let method = match args.weight_method {
-        WeightKind::Monotone => Method::Monotone,
-        WeightKind::Bounded => Method::Bounded,
-        WeightKind::Harmonic => Method::Harmonic,
-        WeightKind::Polyharmonic => Method::Polyharmonic,
-    };
+    let method = args.weight_method.method();
     let fail = |error: &dyn std::fmt::Display| Failure::file(&shape.path, format!("no weights: {error}"));
     let given: Vec<BoundaryValues> = (0..count).map(|handle| attached.boundary_values(handle).into()).collect();
     let found = Interpolator::new(shape.complex(), usize::from(args.weight_order))

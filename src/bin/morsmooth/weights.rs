@@ -7,8 +7,7 @@ use clap::{Args, ValueEnum};
 use morsmooth::audit::{PlateauReport, audit_plateaus};
 use morsmooth::field::VertexId;
 use morsmooth::interpolate::{
-    BoundaryValues, Guide, InterpolateError, InterpolateOptions, Interpolator, Mass, Method, Partition, SkinningWeights, WeightOptions,
-    skinning_weights,
+    BoundaryValues, InterpolateError, InterpolateOptions, Interpolator, Mass, Partition, SkinningWeights, WeightOptions, skinning_weights,
 };
 use morsmooth::io::{
     ArrayData, DataArray, DataSet, GeometryKind, PendingFile, domain, is_same_file, read, read_handles, read_mesh_or_outline,
@@ -19,7 +18,7 @@ use morsmooth::monotone::Precision;
 use morsmooth::operators::OperatorError;
 
 use crate::Outcome;
-use crate::args::{OutlineArgs, TalkArgs};
+use crate::args::{GuideKind, MethodKind, OutlineArgs, TalkArgs};
 use crate::failure::Failure;
 use crate::output::{check_directory, check_output};
 use crate::report::write_report;
@@ -109,19 +108,6 @@ pub struct WeightsArgs {
     pub talk: TalkArgs,
 }
 
-/// Values of `--method`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MethodKind {
-    /// Least Dirichlet energy.
-    Harmonic,
-    /// Least energy of the order, no other constraint.
-    Polyharmonic,
-    /// Least energy within 0 and 1: order 2 are bounded biharmonic weights.
-    Bounded,
-    /// Least energy without any extremum but at handles.
-    Monotone,
-}
-
 /// Values of `--partition`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PartitionKind {
@@ -140,17 +126,6 @@ pub enum MassKind {
     Voronoi,
     /// Equal shares.
     Barycentric,
-}
-
-/// Values of `--representative`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum GuideKind {
-    /// For orders 1 and 2 the polyharmonic weights, simplified; for 3 and 4 both, and what has less energy.
-    Automatic,
-    /// The polyharmonic weights, simplified.
-    SmoothThenSimplify,
-    /// The harmonic weights.
-    Harmonic,
 }
 
 fn parse_precision(text: &str) -> Result<u8, String> {
@@ -249,18 +224,9 @@ impl WeightsArgs {
 
     fn options(&self) -> WeightOptions {
         WeightOptions {
-            method: match self.method {
-                MethodKind::Harmonic => Method::Harmonic,
-                MethodKind::Polyharmonic => Method::Polyharmonic,
-                MethodKind::Bounded => Method::Bounded,
-                MethodKind::Monotone => Method::Monotone,
-            },
+            method: self.method.method(),
             function: InterpolateOptions {
-                guide: match self.representative {
-                    GuideKind::Automatic => Guide::Automatic,
-                    GuideKind::SmoothThenSimplify => Guide::SmoothThenSimplify,
-                    GuideKind::Harmonic => Guide::Harmonic,
-                },
+                guide: self.representative.guide(),
                 refine: self.refine,
                 precision: self.width(),
                 bounds: Some((0.0, 1.0)),

@@ -100,6 +100,26 @@ fn methods_without_promise_count_what_they_make() {
 }
 
 #[test]
+fn the_representative_function_may_be_chosen() {
+    let bench = Bench::new();
+    bench.put("in.vti", &image([0, 14, 0, 10, 0, 0]));
+    bench.text("low.csv", "point,value\n17,0\n");
+    bench.text("high.csv", "point,value\n130,1\n70,0.8\n");
+    let fixed = ["interpolate", "in.vti", "out.vti", "--minima", "low.csv", "--maxima", "high.csv", "--report", "r.json"];
+    let energy = |more: &[&str]| {
+        let run = bench.run(&[&fixed[..], more].concat());
+        assert_eq!(run.code, 0, "{more:?}: {}{}", run.stdout, run.stderr);
+        assert_eq!(found(&bench.read("out.vti")).1, [70, 130], "{more:?}");
+        bench.json("r.json")["energy"].as_f64().unwrap()
+    };
+    let [automatic, smooth, harmonic] = ["automatic", "smooth-then-simplify", "harmonic"].map(|kind| energy(&["--representative", kind]));
+    assert_eq!(automatic, energy(&[]));
+    assert_eq!(automatic, smooth, "order 2 takes the smooth function");
+    assert_ne!(harmonic, smooth);
+    bench.refuses(&[&fixed[..], &["--representative", "flood"]].concat(), &["automatic, smooth-then-simplify, harmonic"]);
+}
+
+#[test]
 fn contradictory_and_impossible_wishes_are_refused_with_their_places() {
     let bench = Bench::new();
     bench.put("in.vti", &image([0, 12, 0, 9, 0, 0]));
