@@ -13,12 +13,13 @@ use serde_json::{Value, json};
 
 use crate::Outcome;
 use crate::args::{MethodKind, OutlineArgs, TalkArgs};
+use crate::beside::fitting;
 use crate::diffuse_colours::{Colour, given, image_colours, parse_colour};
 use crate::failure::Failure;
 use crate::input::FieldInput;
 use crate::output::{check_output, check_target, is_same_place};
 use crate::report::{command_line, header, status_name, write_report};
-use crate::shape_input::{domain, fitting, load};
+use crate::shape_input::{domain, load};
 use crate::talk::Talk;
 
 /// `morsmooth diffuse`.

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use morsmooth::audit::{AuditReport, Plateaus};
 use morsmooth::geodesic::{ExactGeodesic, GeodesicError, HeatGeodesic, HeatOptions, SurfacePoint};
 use morsmooth::io::{
-    ArrayData, DataArray, DataSet, GeometryKind, MaskSources, PendingFile, domain, mask, read, reshape, write_temporary,
+    ArrayData, DataArray, DataSet, MaskSources, PendingFile, domain, mask, read, write_temporary,
 };
 use morsmooth::mesh::{Domain, check};
 use morsmooth::operators::OperatorError;
@@ -17,6 +17,7 @@ use morsmooth::smooth::{Length, MeasuredField, SmoothOptions, Smoothed, Smoother
 
 use crate::Outcome;
 use crate::args::{FieldArgs, TalkArgs, fraction};
+use crate::beside::{fitting, read_back};
 use crate::failure::Failure;
 use crate::geodesic_report::GeodesicJob;
 use crate::geodesic_sources::{SourceArgs, Sources};
@@ -107,11 +108,7 @@ pub fn run(args: &GeodesicArgs) -> Result<Outcome, Failure> {
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
     let dataset = read(&args.input).map_err(|error| Failure::usage(error.to_string()))?;
-    let extension = args.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let mut dataset = match GeometryKind::of_extension(extension) {
-        Some(kind) => reshape(dataset, kind).map_err(|error| Failure::file(&args.output, error))?,
-        None => dataset,
-    };
+    let mut dataset = fitting(dataset, &args.output)?;
     let holes = MaskSources { array: args.mask.clone(), ..MaskSources::default() };
     let kept = mask(&dataset, &holes).map_err(|error| Failure::file(&args.input, error))?;
     let domain = domain(&dataset, &kept).map_err(|error| Failure::file(&args.input, error))?;
@@ -268,7 +265,7 @@ fn smooth(args: &GeodesicArgs, input: &FieldInput, domain: &Domain, sources: &So
 /// Writes beside the target, and reads the distances back.
 fn write(output: &Path, dataset: &DataSet) -> Result<PendingFile, Failure> {
     let pending = write_temporary(output, dataset).map_err(|error| Failure::usage(error.to_string()))?;
-    let written = read(pending.path()).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
+    let written = read_back(&pending)?;
     let bits = |dataset: &DataSet| -> Option<Vec<u64>> {
         dataset.point_array(DISTANCE).map(|array| array.to_f64(0).iter().map(|value| value.to_bits()).collect())
     };

@@ -13,13 +13,14 @@ use serde_json::{Value, json};
 
 use crate::Outcome;
 use crate::args::{GuideKind, MethodKind, OutlineArgs, TalkArgs};
+use crate::beside::fitting;
 use crate::by_hand::{HandWish, wanted, wishes};
 use crate::failure::Failure;
 use crate::input::FieldInput;
 use crate::number::short;
 use crate::output::{check_output, check_target};
 use crate::report::{audit_json, audit_line, command_line, header, status_name, wanted_json, write_report};
-use crate::shape_input::{domain, fitting, load};
+use crate::shape_input::{domain, load};
 use crate::talk::Talk;
 use crate::written::{OrderArrays, Produced, write_and_audit};
 

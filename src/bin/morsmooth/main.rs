@@ -3,6 +3,7 @@
 
 mod animate;
 mod args;
+mod beside;
 mod by_hand;
 mod check;
 mod complex;
@@ -37,6 +38,7 @@ mod simplify;
 mod smooth;
 mod table;
 mod talk;
+mod weight_arrays;
 mod weights;
 mod weights_report;
 mod wishes;

@@ -6,13 +6,14 @@ use clap::Args;
 use morsmooth::deform::HeldVertices;
 use morsmooth::interpolate::{BoundaryValues, InterpolateOptions, Interpolator, Method};
 use morsmooth::io::{
-    ArrayData, CellArray, DataArray, DataSet, Geometry, MaskSources, domain, mask, read, read_handles, read_mesh_or_outline, region_handles,
+    ArrayData, CellArray, DataArray, DataSet, Geometry, MaskSources, domain, mask, read_handles, read_mesh_or_outline, region_handles,
 };
-use morsmooth::mesh::{AttachOptions, AttachedHandles, Domain, HandleError, HandleSet, OutlineOptions, Pose, Size, SimplicialComplex};
+use morsmooth::mesh::{AttachOptions, AttachedHandles, Domain, HandleError, HandleSet, Pose, SimplicialComplex};
 use morsmooth::plot::Photograph;
 
-use crate::args::MethodKind;
+use crate::args::{MethodKind, OutlineArgs};
 use crate::failure::Failure;
+use crate::weight_arrays::{Mesh, WeightFile, rows};
 
 /// The shape and what moves it.
 #[derive(Debug, Clone, Args)]
@@ -41,9 +42,9 @@ pub struct RigArgs {
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4), conflicts_with = "weights")]
     pub weight_order: u8,
 
-    /// Longest edge of the triangles in an outline (.csv), as a part of its diagonal: 2% or 0.02.
-    #[arg(long, value_name = "FRACTION", default_value = "2%", value_parser = crate::args::fraction)]
-    pub max_edge: f64,
+    /// How an outline is filled.
+    #[command(flatten)]
+    pub outline: OutlineArgs,
 
     /// Triangles into which a photograph is cut, about.
     #[arg(long, value_name = "N", default_value_t = 60_000, value_parser = clap::value_parser!(u32).range(2..=20_000_000))]
@@ -90,8 +91,7 @@ impl Shape {
             let complex = photograph.triangulation(args.triangles as usize).map_err(|error| Failure::file(path, error))?;
             (triangles(&complex), Some(photograph))
         } else {
-            let options = OutlineOptions { max_edge: Size::Fraction(args.max_edge), ..OutlineOptions::default() };
-            (read_mesh_or_outline(path, &options).map_err(|error| fail(&error))?, None)
+            (read_mesh_or_outline(path, &args.outline.options()).map_err(|error| fail(&error))?, None)
         };
         if matches!(dataset.geometry, Geometry::ImageData { .. } | Geometry::RectilinearGrid { .. }) {
             let text = format!("found {}, whose points cannot move; expected a mesh", dataset.geometry.name());
@@ -138,7 +138,12 @@ impl Rig {
         let attached = set.attach(shape.complex(), &AttachOptions::default()).map_err(told)?;
         let held = held(&attached);
         let (weights, source) = match &args.weights {
-            Some(path) => (from_file(shape, path, &args.weights_prefix, attached.names())?, path.display().to_string()),
+            Some(path) => {
+                let mesh = Mesh { path: &shape.path, dataset: &shape.dataset, domain: &shape.domain };
+                let file = WeightFile::read(path, &mesh, &args.outline.options())?;
+                let columns = file.columns(attached.names(), ("--weights-prefix", &args.weights_prefix))?;
+                (rows(&columns), path.display().to_string())
+            }
             None => computed(shape, args, &attached)?,
         };
         Ok(Self { set, attached, held, weights, source })
@@ -169,30 +174,6 @@ fn held(attached: &AttachedHandles) -> HeldVertices {
     HeldVertices { vertices, owners, names: attached.names().to_vec() }
 }
 
-fn from_file(shape: &Shape, path: &Path, prefix: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
-    let dataset = read(path).map_err(|error| Failure::usage(error.to_string()))?;
-    let (found, expected) = (dataset.point_count(), shape.domain.point_count());
-    if found != expected {
-        return Err(Failure::file(path, format!("found weights on {found} points; {} has {expected}", shape.path.display())));
-    }
-    let mut columns = Vec::with_capacity(names.len());
-    for name in names {
-        let array = format!("{prefix}{name}");
-        let Some(values) = dataset.point_array(&array).filter(|values| values.components == 1) else {
-            let known: Vec<&str> = dataset.point_data.arrays.iter().map(|array| array.name.as_str()).collect();
-            let text = format!("found no scalar point array '{array}' with the weights of handle \"{name}\"; point arrays: {}", known.join(", "));
-            return Err(Failure::file(path, text).hint("--weights-prefix names what comes before the name of a handle"));
-        };
-        let values = shape.domain.restrict(&values.to_f64(0));
-        if let Some(vertex) = values.iter().position(|value| !value.is_finite()) {
-            let point = shape.domain.point_of_vertex()[vertex];
-            return Err(Failure::file(path, format!("array {array} is {} at point {point}; expected a finite number", values[vertex])));
-        }
-        columns.push(values);
-    }
-    Ok(rows(&columns))
-}
-
 fn computed(shape: &Shape, args: &RigArgs, attached: &AttachedHandles) -> Result<(Vec<f64>, String), Failure> {
     let count = attached.len();
     if count == 1 {
@@ -207,10 +188,4 @@ fn computed(shape: &Shape, args: &RigArgs, attached: &AttachedHandles) -> Result
     let columns: Vec<Vec<f64>> = found.into_iter().map(|found| found.values).collect();
     let order = if method == Method::Harmonic { 1 } else { args.weight_order };
     Ok((rows(&columns), format!("computed, {method}, order {order}")))
-}
-
-/// From one list a handle to one row a vertex.
-fn rows(columns: &[Vec<f64>]) -> Vec<f64> {
-    let vertices = columns.first().map_or(0, Vec::len);
-    (0..vertices).flat_map(|vertex| columns.iter().map(move |column| column[vertex])).collect()
 }

@@ -10,8 +10,7 @@ use morsmooth::interpolate::{
     BoundaryValues, InterpolateError, InterpolateOptions, Interpolator, Mass, Partition, SkinningWeights, WeightOptions, skinning_weights,
 };
 use morsmooth::io::{
-    ArrayData, DataArray, DataSet, GeometryKind, PendingFile, domain, is_same_file, read, read_handles, read_mesh_or_outline,
-    region_handles, reshape, write_temporary,
+    ArrayData, DataArray, DataSet, PendingFile, domain, is_same_file, read_handles, read_mesh_or_outline, region_handles, write_temporary,
 };
 use morsmooth::mesh::{AttachOptions, AttachedHandles, Domain, HandleSet, Mask, MeshFault, check, folds};
 use morsmooth::monotone::Precision;
@@ -19,6 +18,7 @@ use morsmooth::operators::OperatorError;
 
 use crate::Outcome;
 use crate::args::{GuideKind, MethodKind, OutlineArgs, TalkArgs};
+use crate::beside::{fitting, read_back};
 use crate::failure::Failure;
 use crate::output::{check_directory, check_output};
 use crate::report::write_report;
@@ -309,11 +309,7 @@ impl Scene {
 
     /// Writes the arrays into a copy of the mesh file beside the output, and judges what is in it then.
     fn write_and_audit(&self, args: &WeightsArgs, found: &SkinningWeights) -> Result<(PendingFile, Vec<PlateauReport>), Failure> {
-        let mut dataset = self.dataset.clone();
-        let extension = args.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-        if let Some(kind) = GeometryKind::of_extension(extension) {
-            dataset = reshape(dataset, kind).map_err(|error| Failure::file(&args.output, error))?;
-        }
+        let mut dataset = fitting(self.dataset.clone(), &args.output)?;
         for (handle, weights) in found.weights.iter().enumerate() {
             let mut on_points = vec![0.0; self.domain.point_count()];
             self.domain.extend(weights, &mut on_points);
@@ -334,7 +330,7 @@ impl Scene {
         let pending = write_temporary(&args.output, &dataset).map_err(|error| Failure::usage(error.to_string()))?;
         drop(dataset);
         let path = pending.path();
-        let written = read(path).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
+        let written = read_back(&pending)?;
         let judged = (0..found.weights.len()).map(|handle| {
             let name = self.array_name(args, handle);
             let array = written.point_array(&name).ok_or_else(|| {

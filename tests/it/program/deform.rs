@@ -241,7 +241,7 @@ fn refusals_name_what_is_wrong() {
     bench.refuses(&command(&["--gap", "0"]), &["found --gap 0; expected a number between 0 and 1"]);
     bench.refuses(&command(&["--incompressible", "-0.3"]), &["incompressib"]);
     bench.refuses(&command(&["--out-image", "x.png"]), &["found --out-image without a photograph"]);
-    bench.refuses(&command(&["--weights", "in.vtu"]), &["found no scalar point array 'west' with the weights of handle \"west\"", "number"]);
+    bench.refuses(&command(&["--weights", "in.vtu"]), &["found no point array 'west'; expected the weights of the handle \"west\"", "point arrays: number; --weights-prefix"]);
     bench.refuses(&command(&["--hard", "--method", "lim"]), &["the handles are hard; this method of comparison needs soft ones"]);
     bench.text("far.json", r#"{"handles": [{"name": "lost", "point": [9, 9]}]}"#);
     bench.refuses(&["deform", "in.vtu", "out.vtu", "--handles", "far.json", "--pose", "p.json"], &["far.json", "handle \"lost\" is outside the mesh"]);

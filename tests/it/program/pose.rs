@@ -133,7 +133,7 @@ fn what_cannot_be_posed_is_refused() {
     refuse(&["in.vtp", "in.vtp", "pose.dmat", "out.vtp"], &["error: pose.dmat: found 4 numbers; expected 4 for each of 0 bones"]);
     refuse(
         &["in.vtp", "in.vtp", "pose.json", "out.vtp", "--handles", "handles.json"],
-        &["error: in.vtp: found no point array 'centre'; expected the weights of a handle", "hint: point arrays: left, right, kept"],
+        &["error: in.vtp: found no point array 'centre'; expected the weights of the handle \"centre\"", "hint: point arrays: left, right, kept"],
     );
     refuse(&["in.vtp", "in.vtp", "pose.json", "out.vtp", "--prefix", "w_"], &["error: in.vtp: found no point array 'w_left'"]);
     refuse(&["in.vtp", "in.vtp", "pose.json", "in.vtp"], &["error: in.vtp: the output is the input file"]);
