@@ -4,7 +4,8 @@ use super::{
     Begin, Blame, DeformError, DeformOptions, DeformStatus, Deformed, Deformer, Effort, ElementReport, FactorChoice, HandlePlace, HeldVertices, Hold,
     OnContradiction, RestShape, SolveMethod, SolveOptions, nearest_rotations,
 };
-use crate::audit::{Precision, orientations};
+use crate::audit::orientations;
+use crate::field::Precision;
 use crate::linalg::small::{from_scaled, scaled_length, smallest_eigenvalue};
 use crate::mesh::SimplicialComplex;
 use crate::qp::{Engine, FactorPrecision, Iterate, PenaltyOptions, Problem, QpStatus, Solution};
@@ -257,7 +258,7 @@ impl DeformSolver {
             .map(|(place, point)| std::array::from_fn(|axis| if axis < dimension { place[axis] } else { point[axis] }))
             .collect();
         let judge = |precision| orientations(&self.complex, rest.folded(), &points, precision);
-        let audit = [judge(Precision::Double)?, judge(Precision::Single)?];
+        let audit = [judge(Precision::F64)?, judge(Precision::F32)?];
         let is_clean = audit.iter().all(|report| report.is_clean());
         let status = match status {
             DeformStatus::Certified | DeformStatus::Uncertified if !is_clean => DeformStatus::Inverted,

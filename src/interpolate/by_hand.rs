@@ -2,10 +2,10 @@
 //!
 //! Literature: Jacobson, Weinkauf, Sorkine 2012, eq. 12–14, without a data term.
 
-use crate::field::{VertexId, VertexOrder};
+use crate::field::{Precision, VertexId, VertexOrder};
 use crate::mesh::SimplicialComplex;
 use crate::monotone::{
-    Contradiction, EdgeSet, EnergyWeights, Fitter, Levels, MonotoneConstraints, MonotoneFit, MonotonicityGraph, Precision, Representative,
+    Contradiction, EdgeSet, EnergyWeights, Fitter, Levels, MonotoneConstraints, MonotoneFit, MonotonicityGraph, Representative,
     RepresentativeError, Strictness, ValueRule, harmonic, levels, repair, representative,
 };
 use crate::morse::WantedExtrema;

@@ -4,8 +4,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use morsmooth::field::Precision;
 use morsmooth::io::{DiagramField, DiagramLayout, PendingFile, ValueType, diagram_dataset, write_temporary};
-use morsmooth::monotone::Precision;
 use morsmooth::morse::{PersistenceCurve, PersistenceDiagram, PersistenceGap, Selection, Threshold, persistence_diagram};
 use morsmooth::plot::write_atomically;
 use morsmooth::smooth::{ExtremumCount, Length, LengthReport, MeasuredField, SelectOn, SmoothOptions, Smoother, check_field};

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use morsmooth::audit::{OrientationReport, Precision, orientations};
+use morsmooth::audit::{OrientationReport, orientations};
+use morsmooth::field::Precision;
 use morsmooth::io::{ArrayData, DataArray, PendingFile, set_positions};
 use serde_json::{Value, json};
 
@@ -53,7 +54,7 @@ pub fn judge(shape: &Shape, folded: &[usize], points: &[[f64; 3]]) -> Result<[Or
     let judge = |precision| {
         orientations(shape.complex(), folded, points, precision).map_err(|error| Failure::file(&shape.path, error))
     };
-    Ok([judge(Precision::Double)?, judge(Precision::Single)?])
+    Ok([judge(Precision::F64)?, judge(Precision::F32)?])
 }
 
 /// `det_F`, `smallest_eigenvalue`, `energy_density` and `active_constraint` of every cell.

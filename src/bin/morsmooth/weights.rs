@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use morsmooth::audit::{PlateauReport, audit_plateaus};
-use morsmooth::field::VertexId;
+use morsmooth::field::{Precision, VertexId};
 use morsmooth::interpolate::{
     BoundaryValues, InterpolateError, InterpolateOptions, Interpolator, Mass, Partition, SkinningWeights, WeightOptions, skinning_weights,
 };
@@ -13,7 +13,6 @@ use morsmooth::io::{
     ArrayData, DataArray, DataSet, PendingFile, domain, is_same_file, read_handles, read_mesh_or_outline, region_handles, write_temporary,
 };
 use morsmooth::mesh::{AttachOptions, AttachedHandles, Domain, HandleSet, Mask, MeshFault, check, folds};
-use morsmooth::monotone::Precision;
 use morsmooth::operators::OperatorError;
 
 use crate::Outcome;

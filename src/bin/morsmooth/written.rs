@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use morsmooth::audit::{AuditReport, Plateaus, Wanted, audit, moved_values};
-use morsmooth::field::VertexId;
+use morsmooth::field::{Precision, VertexId};
 use morsmooth::io::{ArrayData, DataArray, PendingFile, write_temporary};
-use morsmooth::monotone::{Precision, ValueRule};
+use morsmooth::monotone::ValueRule;
 use morsmooth::morse::WantedExtrema;
 
 use crate::beside::read_back;

@@ -1,6 +1,7 @@
 //! `morsmooth deform`: every method, what is written, what is refused.
 
-use morsmooth::audit::{Precision, orientations};
+use morsmooth::audit::orientations;
+use morsmooth::field::Precision;
 use morsmooth::io::{ArrayData, CellArray, DataArray, DataSet, Geometry, MaskSources, domain, mask};
 use morsmooth::mesh::Domain;
 use morsmooth::plot::Photograph;
@@ -53,7 +54,7 @@ fn elements(dataset: &DataSet) -> Domain {
 pub fn inverted(rest: &DataSet, deformed: &DataSet) -> [usize; 2] {
     let (rest, deformed) = (elements(rest), elements(deformed));
     assert_eq!(rest.complex.simplices(), deformed.complex.simplices());
-    [Precision::Double, Precision::Single].map(|precision| {
+    [Precision::F64, Precision::F32].map(|precision| {
         let report = orientations(&rest.complex, &[], deformed.complex.points(), precision).unwrap();
         report.inverted.len() + report.degenerate.len()
     })
@@ -246,7 +247,7 @@ fn refusals_name_what_is_wrong() {
     bench.text("far.json", r#"{"handles": [{"name": "lost", "point": [9, 9]}]}"#);
     bench.refuses(&["deform", "in.vtu", "out.vtu", "--handles", "far.json", "--pose", "p.json"], &["far.json", "handle \"lost\" is outside the mesh"]);
     bench.text("far.json", r#"{"handles": [{"name": "none", "region": [999]}]}"#);
-    let words = ["far.json: region \"none\" names vertex 999; expected less than 49"];
+    let words = ["far.json: region \"none\" names vertex 999; expected less than 85"];
     bench.refuses(&["deform", "in.vtu", "out.vtu", "--handles", "far.json", "--pose", "p.json"], &words);
     bench.text("other.json", r#"{"handles": {"nose": {"rotation_degrees": 3}}}"#);
     bench.refuses(&["deform", "in.vtu", "out.vtu", "--handles", "h.json", "--pose", "other.json"], &["other.json", "nose"]);
