@@ -170,6 +170,28 @@ fn contradictions_name_handles_and_elements() {
 }
 
 #[test]
+fn a_pose_of_pure_rest_is_the_certified_optimum() {
+    for is_single in [false, true] {
+        let bench = square(10, 0.0, is_single);
+        let shifts = ["west", "east", "north", "middle"].map(|name| format!(r#""{name}": {{"translation": [0.5, -2]}}"#));
+        for (pose, shift) in [(r#"{"handles": {}}"#.to_owned(), [0.0, 0.0]), (format!("{{\"handles\": {{{}}}}}", shifts.join(", ")), [0.5, -2.0])] {
+            bench.text("p.json", pose);
+            let run = bench.run(&[&["deform", "in.vtu", "out.vtu", "--report", "r.json"][..], &RIG].concat());
+            assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+            assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+            assert!(run.stdout.contains("certified optimum") && run.stdout.contains("of the rest measure, and none is below 0"), "{}", run.stdout);
+            let result = &bench.json("r.json")["result"];
+            assert_eq!(result["status"], "certified");
+            assert!((result["rest_measure"].as_f64().unwrap() - 1.0).abs() < 1e-6);
+            let (before, after) = (bench.read("in.vtu").points_f64(), bench.read("out.vtu").points_f64());
+            let off = |(a, b): (&[f64; 3], &[f64; 3])| (0..2).map(|axis| (a[axis] + shift[axis] - b[axis]).abs()).fold(0.0, f64::max);
+            let most = before.iter().zip(&after).map(off).fold(0.0, f64::max);
+            assert!(most < if is_single { 5e-7 } else { 1e-12 }, "{most}");
+        }
+    }
+}
+
+#[test]
 fn bits_do_not_depend_on_threads() {
     let bench = square(16, 80.0, false);
     for threads in ["1", "2", "5"] {
