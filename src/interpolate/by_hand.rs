@@ -12,6 +12,7 @@ use crate::morse::WantedExtrema;
 use crate::qp::Settings;
 
 use super::InterpolateError;
+use super::error::accepted;
 use super::interpolator::{InterpolateReport, Interpolated, Interpolator};
 use super::method::{Guide, InterpolateOptions};
 
@@ -117,7 +118,7 @@ pub fn interpolate_wanted(
     let largest_repair = values.iter().zip(&fit.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let report = InterpolateReport {
         energy: interpolator.energy(&values),
-        residual: fit.kkt.stationarity,
+        residual: accepted(interpolator.order(), fit.kkt.backward)?,
         gap: fit.kkt.duality_gap,
         rows: fit.rows,
         active_rows: fit.active_rows,

@@ -17,6 +17,7 @@ use crate::qp::{Constraints, Engine, KktForm, Objective, Problem, Settings, Term
 
 use super::contraction::Contraction;
 use super::controlled::{Controlled, Directions};
+use super::error::accepted;
 use super::interpolator::{InterpolateReport, Interpolated, Interpolator};
 use super::method::InterpolateOptions;
 use super::{BoundaryValues, InterpolateError};
@@ -124,7 +125,7 @@ pub(super) fn coupled(
         let report = InterpolateReport {
             energy: interpolator.energy(&values),
             status: solution.status.clone(),
-            residual: solution.kkt.stationarity,
+            residual: accepted(interpolator.order(), solution.kkt.backward)?,
             gap: solution.kkt.duality_gap,
             rows: solution.slack.len(),
             iterations: solution.iterations,
