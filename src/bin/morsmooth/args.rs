@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use morsmooth::interpolate::{Guide, Method};
 use morsmooth::mesh::{OutlineOptions, Size};
+use morsmooth::smooth::Length;
 
 /// Smooth scalar fields with exactly the wanted minima and maxima.
 #[derive(Debug, Parser)]
@@ -265,6 +266,30 @@ pub struct SelectionArgs {
     pub keep: Option<PathBuf>,
 }
 
+/// How far noise is averaged away.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct LengthArgs {
+    /// Smoothing length as a part of the diagonal of the bounding box, of a series that of its axis: 2% or 0.02. Chosen from the noise
+    /// by default.
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs", allow_hyphen_values = true)]
+    pub length: Option<f64>,
+
+    /// Smoothing length in the units of the points, of dates in days.
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    pub length_abs: Option<f64>,
+}
+
+impl LengthArgs {
+    /// As the library takes it.
+    pub fn length(&self) -> Length {
+        match (self.length, self.length_abs) {
+            (Some(fraction), _) => Length::OfDiagonal(fraction),
+            (None, Some(length)) => Length::Absolute(length),
+            (None, None) => Length::Automatic,
+        }
+    }
+}
+
 /// `morsmooth smooth`.
 #[derive(Debug, Args)]
 pub struct SmoothArgs {
@@ -303,13 +328,9 @@ pub struct SmoothArgs {
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
     pub order: u8,
 
-    /// Smoothing length as a part of the diagonal of the bounding box: 2% or 0.02. Chosen from the noise by default.
-    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs", allow_hyphen_values = true)]
-    pub length: Option<f64>,
-
-    /// Smoothing length in the units of the points.
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
-    pub length_abs: Option<f64>,
+    /// How far noise is averaged away.
+    #[command(flatten)]
+    pub length: LengthArgs,
 
     /// Point array with the confidence in each value, 0 or more.
     #[arg(long, value_name = "NAME")]
