@@ -15,7 +15,8 @@ use crate::input::FieldInput;
 pub fn load(path: &Path, outline: &OutlineArgs) -> Result<DataSet, Failure> {
     let told = |error: morsmooth::io::IoError| Failure::usage(error.to_string());
     let is_table = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-    if is_table && is_outline(&Table::read(path).map_err(told)?) {
+    // What is wrong with a table is said where it is read for good.
+    if is_table && Table::read_list(path).is_ok_and(|table| is_outline(&table)) {
         return outline_dataset(path, &outline.options()).map_err(told);
     }
     read(path).map_err(told)
@@ -23,7 +24,7 @@ pub fn load(path: &Path, outline: &OutlineArgs) -> Result<DataSet, Failure> {
 
 fn is_outline(table: &Table) -> bool {
     let has = |name: &str| table.names().iter().any(|own| own.eq_ignore_ascii_case(name));
-    let is_pair = table.width() >= 2 && table.column("column_1").is_some() && table.numbers(0).is_ok() && table.numbers(1).is_ok();
+    let is_pair = table.width() >= 2 && !table.has_header() && table.numbers(0).is_ok() && table.numbers(1).is_ok();
     has("x") && has("y") || is_pair
 }
 
