@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use morsmooth::io::{DataSet, GeometryKind, PendingFile, losses, read, reshape, write_temporary};
+use morsmooth::io::{DataSet, GeometryKind, PendingFile, image_dataset, losses, read, reshape, write_temporary};
 use morsmooth::mesh::Domain;
 
 use crate::failure::Failure;
@@ -27,6 +27,19 @@ pub fn write_beside(output: &Path, dataset: &DataSet) -> Result<(PendingFile, Ve
 /// What is in the file now, in its own precision.
 pub fn read_back(pending: &PendingFile) -> Result<DataSet, Failure> {
     read(pending.path()).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))
+}
+
+/// Writes an image beside `output` and reads it back: nothing is kept but what is in the file.
+///
+/// # Arguments
+/// * `pixels`: `width x height x 4` bytes, rows from the top.
+pub fn write_image(output: &Path, (width, height): (u32, u32), pixels: &[u8]) -> Result<PendingFile, Failure> {
+    let dataset = image_dataset(width, height, pixels);
+    let pending = write_temporary(output, &dataset).map_err(|error| Failure::usage(error.to_string()))?;
+    match read_back(&pending)?.point_data.arrays == dataset.point_data.arrays {
+        true => Ok(pending),
+        false => Err(Failure::file(output, "the image read back differs from the one written; expected the same pixels")),
+    }
 }
 
 /// Places of all points, those of the domain moved; points of no element stay.

@@ -5,9 +5,10 @@ use std::path::Path;
 use morsmooth::audit::{OrientationReport, orientations};
 use morsmooth::field::Precision;
 use morsmooth::io::{ArrayData, DataArray, PendingFile, set_positions};
+use morsmooth::plot::Photograph;
 use serde_json::{Value, json};
 
-use crate::beside::{fitting, read_back, with_vertices, write_beside};
+use crate::beside::{fitting, read_back, with_vertices, write_beside, write_image};
 use crate::failure::Failure;
 use crate::posed::Posed;
 use crate::shape::Shape;
@@ -47,6 +48,13 @@ pub fn write_and_audit(output: &Path, shape: &Shape, posed: &Posed, folded: &[us
     let vertices: Vec<[f64; 3]> = shape.domain.point_of_vertex().iter().map(|&point| points[point as usize]).collect();
     let audit = judge(shape, folded, &vertices)?;
     Ok(Written { pending, audit, lost })
+}
+
+/// Writes a photograph, carried along by a posed shape, beside `output`.
+pub fn write_warped(output: &Path, photograph: &Photograph, shape: &Shape, posed: &Posed) -> Result<PendingFile, Failure> {
+    let warped = photograph.warped(shape.complex(), &posed.points).map_err(|error| Failure::file(output, error))?;
+    let [width, height] = warped.size().map(|pixels| pixels as u32);
+    write_image(output, (width, height), warped.pixels().as_flattened())
 }
 
 /// The orientations of all elements at some places, in both precisions.
