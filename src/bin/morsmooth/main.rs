@@ -20,6 +20,7 @@ mod geodesic_sources;
 mod info;
 mod input;
 mod interpolate;
+mod interpolate_data;
 mod number;
 mod output;
 mod persistence;
