@@ -4,7 +4,8 @@ use super::{
     Begin, Blame, DeformError, DeformOptions, DeformStatus, Deformed, Deformer, Effort, ElementReport, FactorChoice, HandlePlace, HeldVertices, Hold,
     OnContradiction, RestShape, SolveMethod, SolveOptions, nearest_rotations,
 };
-use crate::audit::{Precision, orientations};
+use crate::audit::orientations;
+use crate::field::Precision;
 use crate::linalg::small::{from_scaled, scaled_length, smallest_eigenvalue};
 use crate::mesh::SimplicialComplex;
 use crate::qp::{Engine, FactorPrecision, Iterate, Known, PenaltyOptions, Problem, QpStatus, Solution};
@@ -259,10 +260,17 @@ impl DeformSolver {
             .map(|(place, point)| std::array::from_fn(|axis| if axis < dimension { place[axis] } else { point[axis] }))
             .collect();
         let judge = |precision| orientations(&self.complex, rest.folded(), &points, precision);
-        let audit = [judge(Precision::Double)?, judge(Precision::Single)?];
+        let audit = [judge(Precision::F64)?, judge(Precision::F32)?];
         let is_clean = audit.iter().all(|report| report.is_clean());
+        let energy = self.deformer.energy(&rotations, targets, &positions)?;
+        let rest_measure = rest.measures().iter().sum();
+        let smallest_eigenvalues = rest.smallest_eigenvalues(&rotations, &positions)?;
+        let margins = self.deformer.margins(targets);
+        let is_inside = smallest_eigenvalues.iter().zip(&margins).all(|(least, margin)| least >= margin);
         let status = match status {
             DeformStatus::Certified | DeformStatus::Uncertified if !is_clean => DeformStatus::Inverted,
+            // No energy is below zero: there is nothing to gain, whatever a gap relative to rounding says.
+            DeformStatus::Uncertified if is_inside && energy.total() <= Deformed::NO_ENERGY * rest_measure => DeformStatus::Certified,
             other => other,
         };
         let handles = self.held.vertices.iter().zip(targets).map(|(&vertex, &asked)| {
@@ -274,21 +282,20 @@ impl DeformSolver {
             DeformStatus::Certified => None,
             DeformStatus::Contradiction(blame) => Some(blame.clone()),
             DeformStatus::Uncertified | DeformStatus::Inverted => {
-                let margins = self.deformer.margins(targets);
-                let smallest = rest.smallest_eigenvalues(&rotations, &positions)?;
-                let short = smallest.iter().zip(&margins).map(|(least, margin)| margin - least).enumerate();
+                let short = smallest_eigenvalues.iter().zip(&margins).map(|(least, margin)| margin - least).enumerate();
                 Some(Blame::of_elements(short.filter(|&(_, short)| short > 0.0).collect(), rest, &self.held))
             }
         };
         let elements = ElementReport {
             determinants: rest.determinants(&positions)?,
-            smallest_eigenvalues: rest.smallest_eigenvalues(&rotations, &positions)?,
+            smallest_eigenvalues,
             energy_densities: self.deformer.energy_densities(&rotations, &positions)?,
             active: active(&solution, dimension),
         };
         Ok(Deformed {
             handles: handles.collect(),
-            energy: self.deformer.energy(&rotations, targets, &positions)?,
+            energy,
+            rest_measure,
             certificate: solution.kkt,
             status,
             suspects,

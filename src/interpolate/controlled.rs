@@ -2,10 +2,10 @@
 //!
 //! Literature: Jacobson, Weinkauf, Sorkine 2012, section 3, without a data term.
 
-use crate::field::{VertexId, VertexOrder};
+use crate::field::{Precision, VertexId, VertexOrder};
 use crate::linalg::CsrMatrix;
 use crate::monotone::{
-    Contradiction, EdgeSet, Levels, MonotonicityGraph, Precision, Strictness, ValueRule, flood, levels, repair, st_numbering, sweep,
+    Contradiction, EdgeSet, Levels, MonotonicityGraph, Strictness, ValueRule, flood, levels, repair, st_numbering, sweep,
 };
 use crate::qp::{Constraints, Engine, Objective, Problem, QpStatus, Settings, Solution};
 

@@ -119,6 +119,18 @@ pub enum InterpolateError {
         /// The lowest vertex of the part.
         vertex: VertexId,
     },
+    /// What the function is to stay close to, or how close, is out of range.
+    #[error("the {what} at {place} is {value}; expected {expected}")]
+    Nearness {
+        /// `data`, `confidence` or `length`.
+        what: &'static str,
+        /// The first such vertex; 0 for the length.
+        place: usize,
+        /// What was found.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
     /// No field has exactly the wanted extrema, or none was found.
     #[error(transparent)]
     Representative(#[from] RepresentativeError),

@@ -25,7 +25,7 @@ pub use energy::{EnergyWeights, Operators, energy_parts};
 pub use fit::{Fitter, MonotoneConstraints, MonotoneFit, MonotoneProblem};
 pub use flood::{Flooded, flood, flood_field, has_exactly};
 pub use levels::{Contradiction, Levels, ValueRule, levels, sweep};
-pub use repair::{NotRepresentable, Precision, Repaired, Strictness, repair};
+pub use repair::{NotRepresentable, Repaired, Strictness, repair};
 pub use representative::{Representative, RepresentativeError, Strategy, harmonic, representative};
 pub use separatrix::separatrix;
 pub use simplified::{SimplifiedField, SimplifyError, simplified_field};

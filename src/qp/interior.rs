@@ -76,6 +76,8 @@ pub(super) struct Interior<'a> {
     pub is_feasible: bool,
     /// A point inside every cone that was not begun at yet.
     pub inside: Option<&'a [f64]>,
+    /// The point is the minimiser without rows, fulfils every row, and is therefore the optimum, with multipliers of zero.
+    pub is_free: bool,
     /// The elastic problem has been solved already.
     pub is_suspected: bool,
     pub point: Triple,
@@ -207,13 +209,14 @@ impl Engine {
             rows,
             is_feasible: inside.is_some(),
             inside,
+            is_free: false,
             is_suspected: false,
             engine: self,
         };
         initial(&mut interior, start)?;
         let (status, iterations) = match interior.rows.contradiction.take() {
             Some(found) => (QpStatus::Infeasible(found), 0),
-            None if m == 0 => interior.without_rows(progress),
+            None if m == 0 || interior.is_free => interior.without_rows(progress),
             None => match interior.iterate(0, progress)? {
                 (QpStatus::Stalled, iterations) if !interior.rows.is_polyhedral() => interior.resume(iterations, progress)?,
                 (QpStatus::Stalled, iterations) => interior.restart(iterations, progress)?,
@@ -261,7 +264,7 @@ pub fn solve(
 }
 
 impl Interior<'_> {
-    /// Without rows the start is the optimum already.
+    /// Without rows, or where none holds the minimiser back, the start is the optimum already.
     fn without_rows(&mut self, progress: &mut Watch<'_>) -> (QpStatus, usize) {
         let measure = Measure::of(self);
         progress(measure.progress(0, 0.0), &self.point.x);

@@ -1,10 +1,11 @@
 //! Where the interior point begins.
 
-use crate::linalg::small::{composed, from_scaled, scaled_length, symmetric_eigen, to_scaled};
+use crate::linalg::small::{composed, from_scaled, scaled_length, smallest_eigenvalue, symmetric_eigen, to_scaled};
 
 use super::centred::split;
 use super::conflict::contradiction;
 use super::interior::{Interior, Triple};
+use super::kkt::Measure;
 use super::problem::{finite, length};
 use super::product::{dot, largest};
 use super::rows::Rows;
@@ -90,8 +91,24 @@ pub(super) fn initial(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(
     if interior.rows.is_polyhedral() {
         return rows_only(interior, start);
     }
+    interior.is_free = matches!(start, Start::Cold) && is_free(interior);
+    if interior.is_free {
+        return Ok(());
+    }
     with_blocks(interior, start);
     Ok(())
+}
+
+/// Whether the minimiser without rows lies in every cone: then it is the optimum, and any iterate inside the cones would only lose its digits.
+///
+/// Leaves multipliers of zero where it does. Asked where there are blocks only: of deformations, those that turn nothing inside out.
+fn is_free(interior: &mut Interior<'_>) -> bool {
+    let Interior { rows, point, .. } = interior;
+    let is_inside = point.s[..rows.order].iter().all(|&s| s >= 0.0)
+        && point.s[rows.two.rows()].chunks(scaled_length(2)).all(|s| smallest_eigenvalue(&from_scaled::<2>(s)) >= 0.0)
+        && point.s[rows.three.rows()].chunks(scaled_length(3)).all(|s| smallest_eigenvalue(&from_scaled::<3>(s)) >= 0.0);
+    point.z.fill(0.0);
+    is_inside && Measure::of(interior).is_optimal(interior.settings)
 }
 
 /// Slacks and duals where there are nonnegative rows only.

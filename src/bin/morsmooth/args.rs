@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use morsmooth::interpolate::{Guide, Method};
 use morsmooth::mesh::{OutlineOptions, Size};
+use morsmooth::smooth::Length;
 
 /// Smooth scalar fields with exactly the wanted minima and maxima.
 #[derive(Debug, Parser)]
@@ -264,6 +266,30 @@ pub struct SelectionArgs {
     pub keep: Option<PathBuf>,
 }
 
+/// How far noise is averaged away.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct LengthArgs {
+    /// Smoothing length as a part of the diagonal of the bounding box, of a series that of its axis: 2% or 0.02. Chosen from the noise
+    /// by default.
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs", allow_hyphen_values = true)]
+    pub length: Option<f64>,
+
+    /// Smoothing length in the units of the points, of dates in days.
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    pub length_abs: Option<f64>,
+}
+
+impl LengthArgs {
+    /// As the library takes it.
+    pub fn length(&self) -> Length {
+        match (self.length, self.length_abs) {
+            (Some(fraction), _) => Length::OfDiagonal(fraction),
+            (None, Some(length)) => Length::Absolute(length),
+            (None, None) => Length::Automatic,
+        }
+    }
+}
+
 /// `morsmooth smooth`.
 #[derive(Debug, Args)]
 pub struct SmoothArgs {
@@ -302,13 +328,9 @@ pub struct SmoothArgs {
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
     pub order: u8,
 
-    /// Smoothing length as a part of the diagonal of the bounding box: 2% or 0.02. Chosen from the noise by default.
-    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs", allow_hyphen_values = true)]
-    pub length: Option<f64>,
-
-    /// Smoothing length in the units of the points.
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
-    pub length_abs: Option<f64>,
+    /// How far noise is averaged away.
+    #[command(flatten)]
+    pub length: LengthArgs,
 
     /// Point array with the confidence in each value, 0 or more.
     #[arg(long, value_name = "NAME")]
@@ -422,7 +444,54 @@ pub enum KeepAlsoKind {
     Both,
 }
 
-/// Values of `--representative`.
+/// How a function is found whose values are given at some vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MethodKind {
+    /// Least Dirichlet energy, whatever the order.
+    Harmonic,
+    /// Least energy of the order, no other constraint.
+    Polyharmonic,
+    /// Least energy within the range of the given values; of order 2, bounded biharmonic weights.
+    Bounded,
+    /// Least energy without an extremum but at given values.
+    Monotone,
+}
+
+impl MethodKind {
+    /// As the library has it.
+    pub fn method(self) -> Method {
+        match self {
+            Self::Harmonic => Method::Harmonic,
+            Self::Polyharmonic => Method::Polyharmonic,
+            Self::Bounded => Method::Bounded,
+            Self::Monotone => Method::Monotone,
+        }
+    }
+}
+
+/// Values of `--representative` where there are no data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GuideKind {
+    /// For orders 1 and 2 the polyharmonic function, simplified; for 3 and 4 both, and what has less energy.
+    Automatic,
+    /// The polyharmonic function, simplified.
+    SmoothThenSimplify,
+    /// The harmonic function.
+    Harmonic,
+}
+
+impl GuideKind {
+    /// As the library has it.
+    pub fn guide(self) -> Guide {
+        match self {
+            Self::Automatic => Guide::Automatic,
+            Self::SmoothThenSimplify => Guide::SmoothThenSimplify,
+            Self::Harmonic => Guide::Harmonic,
+        }
+    }
+}
+
+/// Values of `--representative` of `smooth`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum StrategyKind {
     /// The smooth field, simplified.

@@ -5,13 +5,12 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use morsmooth::field::VertexOrder;
+use morsmooth::field::{Precision, VertexOrder};
 use morsmooth::io::{
     ArrayData, DataArray, DataSet, MaskSources, Numbering, PendingFile, TtkComplex, TtkError, grid, is_same_file, mask, read,
     write_temporary,
 };
 use morsmooth::mesh::{ImplicitGrid, Mask, Triangulation};
-use morsmooth::monotone::Precision;
 use morsmooth::morse::{
     ExtremumKind, MorseError, MorseHierarchy, MorseSmaleComplex, SaddlePairs, Selection, Threshold, extremum_pairs, range,
     select,

@@ -1,10 +1,11 @@
 //! `morsmooth convert`: one file format into another.
 
-use morsmooth::io::{GeometryKind, is_same_file, losses, outline_dataset, read, reshape, write_temporary};
+use morsmooth::io::{is_same_file, outline_dataset, read};
 use serde_json::json;
 
 use crate::Outcome;
 use crate::args::ConvertArgs;
+use crate::beside::{fitting, write_beside};
 use crate::failure::Failure;
 use crate::output::{check_report, check_target};
 use crate::report::write_report;
@@ -23,14 +24,9 @@ pub fn run(args: &ConvertArgs) -> Result<Outcome, Failure> {
     let dataset = found.map_err(|error| Failure::usage(error.to_string()))?;
     let (points, cells) = (dataset.point_count(), dataset.cell_count());
     let extension = args.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let dataset = match GeometryKind::of_extension(extension) {
-        // Gmsh and Medit hold surfaces as well as volumes, and both come as unstructured grids.
-        Some(kind) => reshape(dataset, kind).map_err(|error| Failure::file(&args.output, error))?,
-        None => dataset,
-    };
-    let lost = losses(&args.output, &dataset).map_err(|error| Failure::usage(error.to_string()))?;
+    let dataset = fitting(dataset, &args.output)?;
     talk.stage("writing");
-    let pending = write_temporary(&args.output, &dataset).map_err(|error| Failure::usage(error.to_string()))?;
+    let (pending, lost) = write_beside(&args.output, &dataset)?;
     if let Some(report) = &args.talk.report {
         let told = json!({
             "input": args.input, "output": args.output, "geometry": dataset.geometry.name(),

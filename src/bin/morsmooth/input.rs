@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use morsmooth::field::VertexId;
+use morsmooth::field::{Precision, VertexId};
 use morsmooth::io::{ArrayData, DataArray, DataSet, MaskSources, domain, mask, read};
 use morsmooth::mesh::{Domain, Mask, check};
-use morsmooth::monotone::Precision;
 use morsmooth::operators::{Derived, OperatorError, derive};
 use morsmooth::smooth::{SmoothError, constant_components};
 

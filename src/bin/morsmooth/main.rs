@@ -3,6 +3,7 @@
 
 mod animate;
 mod args;
+mod beside;
 mod by_hand;
 mod check;
 mod complex;
@@ -19,6 +20,7 @@ mod geodesic_sources;
 mod info;
 mod input;
 mod interpolate;
+mod interpolate_data;
 mod number;
 mod output;
 mod persistence;
@@ -37,6 +39,7 @@ mod simplify;
 mod smooth;
 mod table;
 mod talk;
+mod weight_arrays;
 mod weights;
 mod weights_report;
 mod wishes;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use morsmooth::audit::{AuditReport, Defects, ExtremumType};
-use morsmooth::field::VertexId;
-use morsmooth::monotone::{Precision, ValueRule};
+use morsmooth::field::{Precision, VertexId};
+use morsmooth::monotone::ValueRule;
 use morsmooth::morse::{ExtremumPair, WantedExtrema, reported_persistences};
 use morsmooth::plot::write_atomically;
 use morsmooth::qp::QpStatus;

@@ -7,7 +7,7 @@ use std::time::Instant;
 use morsmooth::audit::Plateaus;
 use morsmooth::monotone::{EdgeSet, Strategy, Strictness};
 use morsmooth::morse::Selection;
-use morsmooth::smooth::{ExtremumValues, KeepAlso, Length, SelectOn, SmoothOptions, Smoothed, Smoother, check_field};
+use morsmooth::smooth::{ExtremumValues, KeepAlso, SelectOn, SmoothOptions, Smoothed, Smoother, check_field};
 use serde_json::json;
 
 use crate::Outcome;
@@ -165,11 +165,7 @@ pub fn options<'a>(args: &SmoothArgs, plan: &'a Plan<'_>) -> Result<SmoothOption
             SelectKind::Smooth => SelectOn::Smooth,
         },
         order: usize::from(args.order),
-        length: match (args.length, args.length_abs) {
-            (Some(fraction), _) => Length::OfDiagonal(fraction),
-            (None, Some(length)) => Length::Absolute(length),
-            (None, None) => Length::Automatic,
-        },
+        length: args.length.length(),
         confidence: plan.confidence.as_deref(),
         smoothness: plan.smoothness.as_deref(),
         values: match args.values {
