@@ -16,6 +16,7 @@ from ._native import Mesh as NativeMesh
 TRIANGLE, TETRAHEDRON, LINE = 5, 10, 3
 CELLS_BY_WIDTH = {2: LINE, 3: TRIANGLE, 4: TETRAHEDRON}
 GHOSTS = "vtkGhostType"
+IMPLICIT = ("vtkAffineArray", "vtkConstantArray", "vtkCompositeArray", "vtkIndexedArray", "vtkStdFunctionArray")
 
 
 def is_vtk(mesh: Any) -> bool:
@@ -223,8 +224,12 @@ class VtkMesh(Mesh):
         if data.IsA("vtkPolyData"):
             return NativeMesh.poly(places, *(self._cells(part) for part in (data.GetVerts(), data.GetLines(), data.GetPolys(), data.GetStrips())))
         if data.IsA("vtkUnstructuredGrid"):
-            types = data.GetCellTypesArray()
-            types = self._numpy(types) if types else np.zeros(0, np.uint8)
+            try:
+                types = data.GetCellTypes()
+            except TypeError:
+                # VTK before 9.6.
+                types = data.GetCellTypesArray()
+            types = self._numpy(types) if types and data.GetNumberOfCells() else np.zeros(0, np.uint8)
             return NativeMesh.grid(places, self._cells(data.GetCells()), np.ascontiguousarray(types, np.uint8))
         raise InputError(f"found {data.GetClassName()}; expected image data, a rectilinear, structured or unstructured grid, or poly data")
 
@@ -235,6 +240,11 @@ class VtkMesh(Mesh):
         return tuple(np.ascontiguousarray(self._numpy(part), np.int64) for part in (offsets, connectivity))
 
     def _numpy(self, array: Any) -> np.ndarray:
+        if any(kind in array.GetClassName() for kind in IMPLICIT):
+            # Numbers that are computed when they are asked for have no memory to look at.
+            plain = self.support.create_vtk_array(array.GetDataType())
+            plain.DeepCopy(array)
+            array = plain
         return self.support.vtk_to_numpy(array)
 
     def _data(self, place: str) -> Any:
