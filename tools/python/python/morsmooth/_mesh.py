@@ -5,6 +5,7 @@ Nothing here imports VTK or PyVista: a data set of either brings its own modules
 
 from __future__ import annotations
 
+import importlib
 import sys
 from typing import Any, Optional
 
@@ -201,12 +202,17 @@ class VtkMesh(Mesh):
 
     def __init__(self, dataset: Any):
         self.dataset = dataset
-        self.support = numpy_support()
+        self.package = vtk_package(dataset)
+        self.support = self._module("util.numpy_support")
         self.native = self._geometry()
         for place in ("Point", "Cell"):
             ghosts = self._array(place, GHOSTS)
             if ghosts is not None:
                 getattr(self.native, f"set_{place.lower()}_array")(GHOSTS, numbers(ghosts, GHOSTS))
+
+    def _module(self, name: str) -> Any:
+        """A module of the VTK that the data set is of."""
+        return importlib.import_module(f"{self.package}.{name}")
 
     def _geometry(self) -> NativeMesh:
         data = self.dataset
@@ -321,7 +327,7 @@ class VtkMesh(Mesh):
         return result
 
     def lines(self, parts):
-        core, data_model = vtk_module("vtkCommonCore"), vtk_module("vtkCommonDataModel")
+        core, data_model = self._module("vtkCommonCore"), self._module("vtkCommonDataModel")
         grid = data_model.vtkUnstructuredGrid()
         points = core.vtkPoints()
         points.SetData(self.support.numpy_to_vtk(parts["points"], deep=True))
@@ -339,17 +345,10 @@ class VtkMesh(Mesh):
         return pyvista.wrap(grid) if pyvista and isinstance(self.dataset, pyvista.DataSet) else grid
 
 
-def vtk_module(name: str) -> Any:
-    """A module of the VTK that is loaded: that of a data set that was given."""
-    import importlib
-
-    for package in ("vtkmodules", "paraview.vtk"):
-        try:
-            return importlib.import_module(f"{package}.{name}")
-        except ImportError:
-            continue
-    raise InputError("found a data set of VTK, but no package vtk; expected one that can be imported")
-
-
-def numpy_support() -> Any:
-    return vtk_module("util.numpy_support")
+def vtk_package(dataset: Any) -> str:
+    """The package that the data set's class comes from; there may be several VTKs in a process."""
+    for kind in type(dataset).__mro__:
+        package, _, module = kind.__module__.rpartition(".")
+        if module == "vtkCommonDataModel":
+            return package
+    return "vtkmodules"
