@@ -9,7 +9,7 @@ README.md beside this file has the commands, and the one line that Debian's Para
 
 from paraview.util.vtkAlgorithm import smhint, smproperty, smproxy
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
-from vtkmodules.vtkCommonCore import vtkIntArray
+from vtkmodules.vtkCommonCore import vtkIntArray, vtkOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSet, vtkUnstructuredGrid
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
 from vtkmodules.vtkParallelCore import vtkCommunicator, vtkMultiProcessController
@@ -169,6 +169,7 @@ class MorsmoothFilter(VTKPythonAlgorithmBase):
         self._refuse_pieces(given)
         if given.GetNumberOfPoints() == 0:
             return 1
+        self._doubt_cuts(morsmooth(), given)
         name = self.GetInputArrayInformation(0).Get(vtkDataObject.FIELD_NAME())
         control = {"mask": self.options["Mask"] or None, "threads": self.options["Threads"] or None, "progress": self._told}
         try:
@@ -193,6 +194,16 @@ class MorsmoothFilter(VTKPythonAlgorithmBase):
                 "along the cuts. Save it (Save Data, then morsmooth convert merges the pieces) and run the filter in one process, or "
                 "spread the time steps of a series instead: tools/paraview/series_mpi.py"
             )
+
+    def _doubt_cuts(self, package, given):
+        """Pieces of a parallel file that were read one after the other have their border points twice."""
+        if not (given.IsA("vtkUnstructuredGrid") or given.IsA("vtkPolyData")):
+            return
+        for fault in package.faults(given):
+            if fault.is_cut and processes()[1] > 1:
+                raise RuntimeError(f"{fault.text}. Pieces that are not joined have false extrema along their borders: morsmooth convert joins them")
+            if fault.is_cut:
+                vtkOutputWindow.GetInstance().DisplayWarningText(f"Morsmooth: {fault.text}\n")
 
     def _told(self, text, part):
         self.SetProgressText(text)

@@ -23,7 +23,7 @@ mod _native {
     #[pymodule_export]
     use crate::geodesic::geodesic;
     #[pymodule_export]
-    use crate::mesh::Mesh;
+    use crate::mesh::{Mesh, faults};
     #[pymodule_export]
     use crate::persistence::{persistence_diagram, persistence_pairs};
     #[pymodule_export]

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use morsmooth::io::{ArrayData, Attributes, CellArray, DataArray, DataSet, Extent, Geometry};
+use morsmooth::io::{ArrayData, Attributes, CellArray, DataArray, DataSet, Extent, Geometry, MaskSources, domain, mask};
+use morsmooth::mesh::MeshFault;
 use numpy::{Element, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::failure::Failure;
+use crate::job::{self, Control};
 
 /// Points, cells and the arrays that a call needs.
 #[pyclass(module = "morsmooth._native")]
@@ -160,4 +162,17 @@ fn array(name: &str, values: &Bound<'_, PyAny>) -> PyResult<DataArray> {
         Some((components, data)) => Ok(DataArray::new(name, components.max(1), data)),
         None => Err(Failure::input(format!("the array '{name}' does not hold numbers")).raise(values.py())),
     }
+}
+
+/// What is unusual about a mesh: a text and whether it says that points lie on each other, for each fault.
+#[pyfunction]
+pub fn faults(py: Python<'_>, mesh: &Mesh, control: Control) -> PyResult<Vec<(String, bool)>> {
+    let dataset = Arc::clone(&mesh.dataset);
+    job::run(py, &control, move |talk| {
+        talk.stage("checking", 0.0);
+        let kept = mask(&dataset, &MaskSources::default()).map_err(Failure::input)?;
+        let domain = domain(&dataset, &kept).map_err(Failure::input)?;
+        let found = morsmooth::mesh::faults(&domain);
+        Ok(found.iter().map(|fault| (fault.to_string(), matches!(fault, MeshFault::DuplicatePoints { .. }))).collect())
+    })
 }

@@ -137,3 +137,12 @@ def test_contradicting_handles_are_named():
     mirrored = {"left": {"translation": [3, 0, 0]}, "right": {"translation": [-3, 0, 0]}}
     with pytest.raises(morsmooth.ContradictionError, match="left.*right|right.*left"):
         morsmooth.deform(mesh, handles, mirrored, hard=True)
+
+
+def test_faults_name_points_on_each_other():
+    whole = pv.Plane(i_resolution=6, j_resolution=4)
+    assert morsmooth.faults(whole) == []
+    halves = pv.merge([whole.extract_cells(range(12)), whole.extract_cells(range(12, 24))], merge_points=False)
+    found = morsmooth.faults(halves)
+    assert [fault.is_cut for fault in found].count(True) == 1
+    assert any(fault.text.startswith("7 points lie exactly on an earlier point") for fault in found)

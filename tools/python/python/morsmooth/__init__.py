@@ -13,9 +13,11 @@ once, and the work behind it at its next step. Everything that is raised is a :c
 
 from ._errors import ContradictionError, Error, GuaranteeError, InputError, InternalError, NotOptimalWarning
 from ._functions import (
+    Fault,
     Pairs,
     Weights,
     deform,
+    faults,
     geodesic,
     persistence_diagram,
     persistence_pairs,
@@ -28,6 +30,7 @@ from ._native import __version__
 __all__ = [
     "ContradictionError",
     "Error",
+    "Fault",
     "GuaranteeError",
     "InputError",
     "InternalError",
@@ -36,6 +39,7 @@ __all__ = [
     "Weights",
     "__version__",
     "deform",
+    "faults",
     "geodesic",
     "persistence_diagram",
     "persistence_pairs",

@@ -44,6 +44,19 @@ class Weights(NamedTuple):
     pivots: np.ndarray
 
 
+class Fault(NamedTuple):
+    """Something unusual about a mesh.
+
+    Attributes:
+        text: what, where, and what is made of it.
+        is_cut: whether it says that points lie on each other, where the domain is cut: along the pieces of a parallel data set that
+            were read without being merged, for one.
+    """
+
+    text: str
+    is_cut: bool
+
+
 def smooth(
     mesh: Any = None,
     array: Any = None,
@@ -243,6 +256,21 @@ def persistence_diagram(
     opened, name = scene(mesh, array, mask)
     options = {"array": name, "mask": opened.find(mask, "mask", "both")}
     return opened.lines(_native.persistence_diagram(opened.native, options, embed, control(threads, progress)))
+
+
+def faults(mesh: Any, *, threads: Optional[int] = None) -> list[Fault]:
+    """What is unusual about a mesh: points on each other, edges of three triangles, cells without area and the like.
+
+    Args:
+        mesh, threads: as in :func:`smooth`.
+
+    Returns:
+        One entry a kind, none for a clean mesh. Computations take all meshes but those with cells without area or volume.
+
+    Raises:
+        InputError: as :func:`smooth`.
+    """
+    return [Fault(*found) for found in _native.faults(open_mesh(mesh).native, control(threads, None))]
 
 
 def weights(
