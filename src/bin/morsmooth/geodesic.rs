@@ -1,7 +1,7 @@
 //! `morsmooth geodesic`: distances along a mesh, and a smooth field with their maxima.
 
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
@@ -18,6 +18,7 @@ use morsmooth::smooth::{Length, MeasuredField, SmoothOptions, Smoothed, Smoother
 use crate::Outcome;
 use crate::args::{FieldArgs, TalkArgs, fraction};
 use crate::failure::Failure;
+use crate::ground::Grounds;
 use crate::geodesic_report::GeodesicJob;
 use crate::geodesic_sources::{SourceArgs, Sources};
 use crate::input::FieldInput;
@@ -237,9 +238,9 @@ fn array(domain: &Domain, distances: &[f64]) -> DataArray {
 /// The distance as a field of the file.
 fn field(args: &GeodesicArgs, dataset: DataSet) -> Result<FieldInput, Failure> {
     let field = FieldArgs { input: args.input.clone(), array: Some(DISTANCE.to_owned()), mask: args.mask.clone(), derive: None };
-    let dataset = Rc::new(dataset);
+    let dataset = Arc::new(dataset);
     let array = crate::input::choose(&dataset, &field)?;
-    FieldInput::of_array(&dataset, array, &field, None)
+    FieldInput::of_array(&dataset, array, &field, &Grounds::of_one_file())
 }
 
 fn smooth(args: &GeodesicArgs, input: &FieldInput, domain: &Domain, sources: &Sources, talk: &Talk) -> Result<Smoothed, Failure> {
