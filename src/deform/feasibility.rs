@@ -51,7 +51,7 @@ impl DeformSolver {
                     solved = Solved { solution, positions };
                 }
             }
-            QpStatus::IterationLimit | QpStatus::Stalled => {
+            QpStatus::IterationLimit | QpStatus::Stalled | QpStatus::CutOff => {
                 let margins = self.deformer.margins(targets);
                 if let Some(certificate) = opposed_neighbours(self.deformer.rest(), rotations, &margins) {
                     solved.solution.status = QpStatus::Infeasible(certificate);

@@ -192,7 +192,7 @@ impl DeformSolver {
             QpStatus::Infeasible(found) => {
                 DeformStatus::Contradiction(Blame::new(found, self.deformer.rest(), &self.held, is_hard))
             }
-            QpStatus::IterationLimit | QpStatus::Stalled => DeformStatus::Uncertified,
+            QpStatus::IterationLimit | QpStatus::Stalled | QpStatus::CutOff => DeformStatus::Uncertified,
         };
         if options.on_contradiction == OnContradiction::KeepBest && !self.is_usable(&solved)? {
             return self.closest((&rotations, targets), status, solved, options, (effort, preview));

@@ -117,7 +117,7 @@ pub fn interpolate_wanted(
     let largest_repair = values.iter().zip(&fit.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let report = InterpolateReport {
         energy: interpolator.energy(&values),
-        residual: fit.kkt.stationarity,
+        residual: fit.kkt.backward,
         gap: fit.kkt.duality_gap,
         rows: fit.rows,
         active_rows: fit.active_rows,

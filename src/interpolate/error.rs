@@ -169,3 +169,14 @@ pub enum InterpolateError {
     #[error("the problem could not be solved: {0}")]
     Solver(#[from] QpError),
 }
+
+/// Largest componentwise backward error, measured in product form, at which a function is called the minimiser.
+const RESIDUAL: f64 = 1e-8;
+
+/// The residual of an accurate result.
+///
+/// # Errors
+/// [`InterpolateError::Inaccurate`].
+pub(super) fn accepted(order: usize, residual: f64) -> Result<f64, InterpolateError> {
+    if residual <= RESIDUAL { Ok(residual) } else { Err(InterpolateError::Inaccurate { order, residual, tolerance: RESIDUAL }) }
+}

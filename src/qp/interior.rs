@@ -312,6 +312,9 @@ impl Interior<'_> {
             if measure.is_optimal(self.settings) {
                 return Ok((QpStatus::Solved, iteration));
             }
+            if measure.is_above(self.settings.cutoff) {
+                return Ok((QpStatus::CutOff, iteration));
+            }
             let reach = largest(&self.point.x).max(self.rows.offset_size);
             let scale = (self.point.x.len(), reach);
             if !self.is_feasible && let Some(found) = certificate(&self.rows, &self.point.z, scale) {

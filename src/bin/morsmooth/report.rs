@@ -164,6 +164,7 @@ impl SmoothJob<'_> {
             QpStatus::Infeasible(_) => "infeasible",
             QpStatus::IterationLimit => "at its iteration limit",
             QpStatus::Stalled => "stalled",
+            QpStatus::CutOff => "cut off",
         };
         let extrema = if self.audit.passed { "has exactly the wanted extrema but is" } else { "failed the audit and is" };
         Some(format!("the solver ended {status}: the field {extrema} not proven optimal (relative gap {:.1e})", solver.kkt.duality_gap))
@@ -311,6 +312,7 @@ pub fn status_name(status: &QpStatus) -> &'static str {
         QpStatus::Solved => "solved",
         QpStatus::Infeasible(_) => "infeasible (the field written is feasible, not optimal)",
         QpStatus::IterationLimit => "iteration limit (the field written is feasible, not optimal)",
+        QpStatus::CutOff => "cut off (the field written is feasible, not optimal)",
         QpStatus::Stalled => "stalled (the field written is feasible, not optimal to the asked gap)",
     }
 }
