@@ -6,6 +6,7 @@
 //!
 //! Literature: Jacobson, Weinkauf, Sorkine 2012, *Smooth shape-aware functions with controlled extrema*, section 3.
 
+mod analysis;
 mod blocks;
 mod bridges;
 mod edges;
@@ -19,6 +20,7 @@ mod representative;
 mod separatrix;
 mod simplified;
 
+pub use analysis::{AnalysisError, FitAnalysis};
 pub use blocks::{st_numbering, unreachable_regions};
 pub use edges::{EdgeSet, MonotonicityEdge, MonotonicityGraph};
 pub use energy::{EnergyWeights, Operators, energy_parts};

@@ -41,7 +41,7 @@ pub enum Command {
     /// Exit codes: 0 if the arrays written were read back, and the smooth one has exactly the wanted extrema; 1 if it has not; 2 for a
     /// wrong command line or input.
     Geodesic(Box<crate::geodesic::GeodesicArgs>),
-    /// Show what a file holds: data set, arrays, domain, what is wrong with it.
+    /// Show what a file holds: data set, arrays, domain, what is wrong with it. Of a list (.vtm .pvd), all that it names.
     Info(InfoArgs),
     /// Count the extrema of a field, list their persistence, and show what thresholds would leave.
     Extrema(ExtremaArgs),
@@ -50,6 +50,12 @@ pub enum Command {
     /// Exit codes: 0 if the file written was read back and has exactly the wanted extrema; 1 if it has not (then nothing
     /// is written without --keep-unaudited); 2 for a wrong command line or input. They say nothing of optimality: a solver
     /// that stops before the asked gap gives a line 'warning:' on standard error, even with --quiet.
+    ///
+    /// Of several data sets (a .pvd, a .vtm, or a pattern in quotes such as 'step_*.vti') every one is smoothed on its own, as many
+    /// at once as there are threads, and written beside OUT as OUT_0000 and so on; OUT lists them, times and names of blocks kept.
+    /// A run that was interrupted goes on where it was: OUT.pvd.jsonl tells which steps are finished, of which input and with
+    /// which settings. Exit codes then: 2 if a step could not be read or smoothed (the others are written, and the list names them), else
+    /// 1 if a step failed the audit, else 0. Seams between blocks are not bridged: each block has its own extrema.
     Smooth(Box<SmoothArgs>),
     /// Write the field itself with exactly the wanted minima and maxima: topological simplification, nothing is smoothed.
     Simplify(Box<crate::simplify::SimplifyArgs>),
@@ -93,6 +99,8 @@ pub enum Command {
     /// said. 'morsmooth deform' promises none.
     Pose(crate::pose::PoseArgs),
     /// Write a data set in another format, with a warning for everything that the format cannot hold.
+    ///
+    /// A list (.vtm .pvd, or a pattern in quotes) becomes a list: every data set is written beside OUT as OUT_0000 and so on.
     Convert(ConvertArgs),
     /// Write skinning weights: a function a handle, 1 on its own vertices and 0 on those of the others.
     ///
@@ -106,6 +114,8 @@ pub enum Command {
 #[derive(Debug, Clone, Args)]
 pub struct FieldArgs {
     /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
+    ///
+    /// FILE.vtm/NAME or FILE.pvd/NUMBER is one data set of a list; 'morsmooth info FILE.vtm' names them.
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several.
@@ -127,6 +137,8 @@ pub struct FieldArgs {
 #[derive(Debug, Clone, Args)]
 pub struct FieldsArgs {
     /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
+    ///
+    /// FILE.vtm/NAME or FILE.pvd/NUMBER is one data set of a list; 'morsmooth info FILE.vtm' names them.
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several. May be given several times, or as a list a,b,c: each

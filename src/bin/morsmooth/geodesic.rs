@@ -1,7 +1,7 @@
 //! `morsmooth geodesic`: distances along a mesh, and a smooth field with their maxima.
 
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
@@ -19,6 +19,7 @@ use crate::Outcome;
 use crate::args::{FieldArgs, TalkArgs, fraction};
 use crate::beside::{fitting, read_back};
 use crate::failure::Failure;
+use crate::ground::Grounds;
 use crate::geodesic_report::GeodesicJob;
 use crate::geodesic_sources::{SourceArgs, Sources};
 use crate::input::FieldInput;
@@ -272,9 +273,9 @@ fn array(domain: &Domain, distance: &Distance) -> DataArray {
 /// A distance as a field of the file.
 fn field(args: &GeodesicArgs, dataset: DataSet, name: &str) -> Result<FieldInput, Failure> {
     let field = FieldArgs { input: args.input.clone(), array: Some(name.to_owned()), mask: args.mask.clone(), derive: None };
-    let dataset = Rc::new(dataset);
+    let dataset = Arc::new(dataset);
     let array = crate::input::choose(&dataset, &field)?;
-    FieldInput::of_array(&dataset, array, &field, None)
+    FieldInput::of_array(&dataset, array, &field, &Grounds::of_one_file())
 }
 
 fn smooth(args: &GeodesicArgs, input: &FieldInput, domain: &Domain, sources: &Sources, talk: &Talk) -> Result<Smoothed, Failure> {

@@ -169,6 +169,7 @@ pub fn run(args: &SeriesArgs) -> Result<Outcome, Failure> {
         .zip(&verdicts)
         .map(|(result, audit)| SmoothJob {
             args: &smooth_args,
+            output: &smooth_args.output,
             input: &result.series.input,
             output_array: &result.name,
             result: &result.smoothed,
@@ -191,7 +192,7 @@ pub fn run(args: &SeriesArgs) -> Result<Outcome, Failure> {
     if !args.talk.quiet {
         for (job, result) in jobs.iter().zip(&results) {
             print_series(&table, result);
-            job.print_summary();
+            crate::report::print_lines(&job.summary());
         }
     }
     Ok(if passed { Outcome::Done } else { Outcome::NotMet })

@@ -1,7 +1,7 @@
 //! A domain without a field of its own: a mesh, an image, an outline that is filled, or a series.
 
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use morsmooth::field::VertexId;
 use morsmooth::io::{ArrayData, DataArray, DataSet, Table, outline_dataset, read};
@@ -9,6 +9,7 @@ use morsmooth::mesh::SimplicialComplex;
 
 use crate::args::{FieldArgs, OutlineArgs};
 use crate::failure::Failure;
+use crate::ground::Grounds;
 use crate::input::FieldInput;
 
 /// Reads a file; a table with columns x and y, or without a header, is an outline, and any other table a series.
@@ -36,8 +37,8 @@ pub fn domain(path: &Path, dataset: DataSet, mask: Option<&String>, name: &str) 
     let args = FieldArgs { input: path.to_owned(), array: None, mask: mask.cloned(), derive: None };
     let mut numbered = dataset.clone();
     numbered.set_point_array(array.clone());
-    let mut input = FieldInput::of_array(&Rc::new(numbered), &array, &args, None)?;
-    input.dataset = Rc::new(dataset);
+    let mut input = FieldInput::of_array(&Arc::new(numbered), &array, &args, &Grounds::of_one_file())?;
+    input.dataset = Arc::new(dataset);
     // Points outside have no value.
     input.on_points.iter_mut().for_each(|value| *value = f64::NAN);
     Ok(input)
