@@ -116,22 +116,15 @@ fn timed(engine: &mut Engine, made: &problems::Instance, threads: usize) -> (Sol
     })
 }
 
-/// Four problems, their data a little different, one after the other and side by side.
-fn four(engine: &Engine, made: &problems::Instance) {
-    let all: Vec<_> = (0..4)
-        .map(|seed| {
-            let mut problem = made.problem.clone();
-            let mut random = problems::Random(seed);
-            problem.objective.linear.iter_mut().for_each(|q| *q *= 1.0 + 0.01 * random.normal());
-            problem
-        })
-        .collect();
+/// Four problems, each with places, noise and bumps of its own on the same pattern, one after the other and side by side.
+fn four(engine: &Engine, side: usize, order: usize, case: Case) {
+    let all: Vec<_> = (7..11).map(|seed| instance(side, order, case, seed)).collect();
     let wall = |threads: usize| {
         pool(threads).install(|| {
             let clock = Instant::now();
             let ended: Vec<_> = all
                 .par_iter()
-                .map(|problem| engine.fork().solve(problem, Some(&made.pinned), &Settings::default(), &mut |_| {}).unwrap().status)
+                .map(|made| engine.fork().solve(&made.problem, Some(&made.pinned), &Settings::default(), &mut |_| {}).unwrap().status)
                 .collect();
             assert!(ended.iter().all(|status| *status == QpStatus::Solved));
             clock.elapsed().as_secs_f64()
@@ -172,7 +165,7 @@ fn run(side: usize, order: usize, case: Case, with_peer: bool) {
         excess(&mut engine, &made, &solution);
     }
     if is_asked("four") {
-        four(&engine, &made);
+        four(&engine, side, order, case);
     }
     let peer = if with_peer {
         let (iterations, seconds, energy) = peer::clarabel(&made.problem);

@@ -54,6 +54,37 @@ fn both_methods_end_certified_at_the_same_energy_with_consistent_evidence() {
     }
 }
 
+/// A pinched ball whose elements shrink towards the ring that holds it, to a ten-thousandth of the largest volume.
+fn graded() -> Scene {
+    let scene = scenes::ball(8);
+    let squeezed = |value: f64| 0.5 + (value - 0.5) * (0.05 + 3.8 * (value - 0.5).powi(2));
+    let points = scene.complex.points().iter().map(|p| [p[0], p[1], squeezed(p[2])]).collect();
+    let complex = SimplicialComplex::new(3, points, scene.complex.simplices().to_vec()).unwrap();
+    let targets = scene.targets.iter().map(|p| [p[0], p[1], squeezed(p[2])]).collect();
+    Scene { complex, targets, ..scene }
+}
+
+#[test]
+fn a_graded_mesh_is_certified_from_whatever_start_it_takes() {
+    let scene = graded();
+    let measures = RestShape::new(&scene.complex).unwrap().measures().to_vec();
+    let [least, most] = [f64::min, f64::max].map(|choose| measures.iter().copied().reduce(choose).unwrap());
+    assert!(most > 10.0 * least, "{least} {most}");
+    let exact = solve(&scene, &SolveOptions::default());
+    assert!(exact.is_certified() && exact.is_inversion_free(), "{:?} {:?}", exact.status, exact.certificate);
+    assert!(exact.effort.factorizations <= 30, "{:?}", exact.effort);
+    // The same shape, all turned: the way out of a blockade is the rest shape turned likewise.
+    let turn = scenes::turn(2.0);
+    let turned = Scene {
+        targets: scene.targets.iter().map(|&target| scenes::rotated(&turn, target)).collect(),
+        rotations: vec![turn; scene.rotations.len()],
+        ..graded()
+    };
+    let other = solve(&turned, &SolveOptions::default());
+    assert!(other.is_certified(), "{:?} {:?}", other.status, other.certificate);
+    assert!((other.energy.total() / exact.energy.total() - 1.0).abs() <= 2e-6);
+}
+
 #[test]
 fn single_precision_ends_at_the_same_shape() {
     for scene in [scenes::quad(16), scenes::ball(6), scenes::bar(10, 2, 170.0)] {

@@ -1,7 +1,7 @@
 //! How solves end when they do not end well.
 
 use morsmooth::linalg::CsrMatrix;
-use morsmooth::qp::{Certificate, Constraints, Engine, Problem, QpStatus, Settings, solve};
+use morsmooth::qp::{Certificate, Constraints, Engine, Objective, Problem, QpStatus, Settings, Term, solve};
 
 use super::problems::{Case, Instance, instance};
 use super::{distance, order};
@@ -139,6 +139,65 @@ fn iterations_run_out_and_say_so() {
     assert_eq!((solution.status, solution.iterations), (QpStatus::IterationLimit, 2));
     assert_eq!(seen.iter().map(|p| p.iteration).collect::<Vec<_>>(), [0, 1, 2]);
     assert!(solution.kkt.duality_gap > 1e-8);
+}
+
+#[test]
+fn a_solve_that_cannot_come_below_the_cutoff_ends_early() {
+    let made = instance(20, 2, Case::Data, 1);
+    let mut engine = Engine::new(&made.problem.objective, None, None).unwrap();
+    let mut ended = |cutoff: f64| {
+        let settings = Settings { cutoff, ..Settings::default() };
+        engine.solve(&made.problem, Some(&made.start), &settings, &mut |_| {}).unwrap()
+    };
+    let whole = ended(f64::INFINITY);
+    assert_eq!(whole.status, QpStatus::Solved);
+    // Below the optimum by 1 %, the dual objective passes the cutoff at a gap of about that size.
+    let cut = ended(0.99 * whole.objective);
+    assert_eq!(cut.status, QpStatus::CutOff);
+    assert!(cut.iterations < whole.iterations && cut.objective >= whole.objective * (1.0 - 1e-9), "{cut:?}");
+    let above = ended(whole.objective * (1.0 + 1e-6));
+    assert_eq!((above.status, above.x), (QpStatus::Solved, whole.x), "a cutoff above the optimum changes nothing");
+}
+
+#[test]
+fn the_backward_error_is_that_of_the_gradient_row_by_row() {
+    // A formed matrix, so that the addends of a row are plain to sum.
+    let n = 30u32;
+    let mut random = super::problems::Random(5);
+    let mut triplets = Vec::new();
+    for i in 0..n {
+        triplets.push((i, i, 4.0 + random.unit()));
+        if i > 0 {
+            triplets.extend([(i - 1, i, -1.0), (i, i - 1, -1.0)]);
+        }
+    }
+    let matrix = CsrMatrix::from_triplets(n as usize, n as usize, &triplets).unwrap();
+    let linear: Vec<f64> = (0..n).map(|i| (f64::from(i)).sin()).collect();
+    let objective = Objective { terms: vec![Term::Matrix(matrix.clone())], linear: linear.clone(), constant: 3.0 };
+    let arcs: Vec<(u32, u32, f64)> = (1..n).map(|i| (i - 1, i, 0.0)).collect();
+    let mut fixed = vec![None; n as usize];
+    fixed[7] = Some(0.1);
+    let problem = Problem { objective, fixed, constraints: order(n as usize, &arcs) };
+    for gap in [1e-2, 1e-8] {
+        let settings = Settings { relative_gap: gap, residual: gap, ..Settings::default() };
+        let solution = solve(&problem, None, None, &settings).unwrap();
+        assert_eq!(solution.status, QpStatus::Solved);
+        let mut forces = vec![0.0; n as usize];
+        for (row, z) in solution.dual.iter().enumerate() {
+            let (columns, values) = problem.constraints.matrix.row(row);
+            columns.iter().zip(values).for_each(|(&column, value)| forces[column as usize] += value * z);
+        }
+        let mut most = 0.0f64;
+        for i in (0..n as usize).filter(|&i| i != 7) {
+            let (columns, values) = matrix.row(i);
+            let products: Vec<f64> = columns.iter().zip(values).map(|(&j, value)| value * solution.x[j as usize]).collect();
+            let residual = products.iter().sum::<f64>() + linear[i] - forces[i];
+            let addends = products.iter().map(|product| product.abs()).sum::<f64>() + linear[i].abs() + forces[i].abs();
+            most = most.max(residual.abs() / addends);
+        }
+        assert!((solution.kkt.backward - most).abs() <= 1e-14, "{} and {most}", solution.kkt.backward);
+        assert!(most <= gap);
+    }
 }
 
 #[test]
