@@ -61,7 +61,7 @@ fn photograph() -> Bench {
         r#"{"handles": [{"name": "a", "point": [0, 0]}, {"name": "b", "point": [48, 0]}, {"name": "c", "point": [0, 32]},
             {"name": "middle", "bone": [[20, 16], [28, 16]]}]}"#,
     );
-    bench.text("keys.json", r#"{"keys": [{"time": 0, "handles": {}}, {"time": 1, "handles": {"middle": {"translation": [6, 4], "rotation_degrees": 40, "pivot": [24, 16]}}}]}"#);
+    bench.text("keys.json", r#"{"keys": [{"time": 0, "handles": {"middle": {"pivot": [24, 16]}}}, {"time": 1, "handles": {"middle": {"translation": [6, 4], "rotation_degrees": 40, "pivot": [24, 16]}}}]}"#);
     bench
 }
 
