@@ -7,7 +7,7 @@ mod plateaus;
 mod report;
 
 pub use extrema::{Extrema, StrictExtrema, extrema, strict_extrema};
-pub use orientation::{OrientationError, OrientationReport, Precision, orientations};
+pub use orientation::{OrientationError, OrientationReport, orientations};
 pub use plateaus::{PlateauReport, audit_plateaus};
 pub use report::{
     AuditReport, Defects, ExtremumType, LISTED_DEFECTS, MovedValue, Plateaus, ValueRule, Wanted, audit, moved_values,

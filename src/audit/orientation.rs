@@ -1,21 +1,12 @@
 //! Judges deformed meshes: the orientation of every element, by exact arithmetic, in the precision that is written.
 
+use crate::field::Precision;
 use crate::mesh::SimplicialComplex;
 use rayon::prelude::*;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
 /// Elements that one parallel task judges. Any size gives the same result.
 const CHUNK: usize = 4096;
-
-/// The numbers in which positions are judged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Precision {
-    /// As they are, 64 bits.
-    Double,
-    /// Each coordinate rounded to the nearest 32-bit number, as many viewers and formats keep it.
-    Single,
-}
 
 /// What the orientations of all elements say about a deformed mesh.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -92,12 +83,12 @@ pub enum OrientationError {
 ///
 /// # Example
 /// ```
-/// use morsmooth::{audit::{Precision, orientations}, mesh::SimplicialComplex};
+/// use morsmooth::{audit::orientations, field::Precision, mesh::SimplicialComplex};
 /// let triangle = SimplicialComplex::new(2, vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![0, 1, 2])?;
 /// let doubled = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
-/// assert_eq!(orientations(&triangle, &[], &doubled, Precision::Single)?.smallest, 4.0);
+/// assert_eq!(orientations(&triangle, &[], &doubled, Precision::F32)?.smallest, 4.0);
 /// let mirrored = [[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// assert_eq!(orientations(&triangle, &[], &mirrored, Precision::Double)?.inverted, [0]);
+/// assert_eq!(orientations(&triangle, &[], &mirrored, Precision::F64)?.inverted, [0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn orientations(
@@ -113,10 +104,7 @@ pub fn orientations(
     if points.len() != rest.points().len() {
         return Err(OrientationError::Length { expected: rest.points().len(), found: points.len() });
     }
-    let written: Vec<[f64; 3]> = match precision {
-        Precision::Double => points.to_vec(),
-        Precision::Single => points.iter().map(|point| point.map(|part| f64::from(part as f32))).collect(),
-    };
+    let written: Vec<[f64; 3]> = points.iter().map(|point| point.map(|part| precision.round(part))).collect();
     for (vertex, point) in written.iter().enumerate() {
         if let Some(axis) = point[..dimension].iter().position(|part| !part.is_finite()) {
             return Err(OrientationError::NotFinite { vertex, axis, value: points[vertex][axis] });

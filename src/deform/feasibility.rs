@@ -1,7 +1,7 @@
 //! Whether rotations leave any shape at all: a question without a scale, asked where the solver could not decide.
 
 use super::solver::Solved;
-use super::{DeformError, DeformOptions, DeformPreview, DeformSolver, Deformer, Effort, Hold, RestShape, SolveOptions};
+use super::{Begin, DeformError, DeformOptions, DeformPreview, DeformSolver, Deformer, Effort, Hold, RestShape, SolveOptions};
 use crate::linalg::small::{Square, scaled_length, symmetric_eigen, to_scaled};
 use crate::qp::{Certificate, QpStatus, Settings};
 
@@ -30,8 +30,12 @@ impl DeformSolver {
         (effort, preview): (&mut Effort, &mut dyn FnMut(DeformPreview<'_>)),
     ) -> Result<Solved, DeformError> {
         let mut solved = self.solve_once(rotations, targets, options, (&mut *effort, preview))?;
-        let is_undecided = matches!(solved.solution.status, QpStatus::IterationLimit | QpStatus::Stalled);
-        if !is_undecided || self.deformer.options().hold == Hold::Hard {
+        let is_undecided = |solved: &Solved| matches!(solved.solution.status, QpStatus::IterationLimit | QpStatus::Stalled);
+        if is_undecided(&solved) && options.begin == Begin::Warm {
+            // Where no cone holds the shape back any more, only a cold start sees it.
+            solved = self.solve_once(rotations, targets, &SolveOptions { begin: Begin::Cold, ..*options }, (&mut *effort, preview))?;
+        }
+        if !is_undecided(&solved) || self.deformer.options().hold == Hold::Hard {
             return Ok(solved);
         }
         let (status, shape) = self.shape_for(rotations, effort)?;
@@ -51,7 +55,7 @@ impl DeformSolver {
                     solved = Solved { solution, positions };
                 }
             }
-            QpStatus::IterationLimit | QpStatus::Stalled => {
+            QpStatus::IterationLimit | QpStatus::Stalled | QpStatus::CutOff => {
                 let margins = self.deformer.margins(targets);
                 if let Some(certificate) = opposed_neighbours(self.deformer.rest(), rotations, &margins) {
                     solved.solution.status = QpStatus::Infeasible(certificate);

@@ -28,6 +28,7 @@ mod energy;
 mod error;
 mod feasibility;
 mod held;
+mod inside;
 mod options;
 mod orientation;
 mod outcome;

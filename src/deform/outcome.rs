@@ -10,6 +10,8 @@ use crate::qp::{FactorPrecision, KktResiduals, Solution};
 #[serde(rename_all = "kebab-case")]
 pub enum DeformStatus {
     /// Optimal within the settings, and without inversions in double and in single precision by the audit.
+    ///
+    /// An energy of at most [`Deformed::NO_ENERGY`] times the rest measure is an optimum as well, whatever its gap: none is below zero.
     Certified,
     /// No element is inverted, but the solver did not reach the tolerances: iterations ran out, or rounding stopped it.
     Uncertified,
@@ -116,6 +118,8 @@ pub struct Deformed {
     pub substitute: Option<Substitute>,
     /// The parts of the energy.
     pub energy: DeformEnergy,
+    /// Area (2-D) or volume (3-D) of all elements at rest.
+    pub rest_measure: f64,
     /// The optimality certificate of the last solve. Gaps are relative to the true energy, its constant included.
     pub certificate: KktResiduals,
     /// Per-element numbers.
@@ -131,6 +135,15 @@ pub struct Deformed {
 }
 
 impl Deformed {
+    /// Energy that counts as none, as a part of the rest measure (area or volume of all elements): the root of the mean of `|F - R|²` is
+    /// then at most 1.5e-6.
+    pub const NO_ENERGY: f64 = 1e-12;
+
+    /// Whether the energy is none, up to [`Deformed::NO_ENERGY`]. A gap relative to it then says nothing.
+    pub fn is_without_energy(&self) -> bool {
+        self.energy.total() <= Self::NO_ENERGY * self.rest_measure
+    }
+
     /// The smallest `det F` in double and in single precision.
     pub fn smallest_determinants(&self) -> [f64; 2] {
         [self.audit[0].smallest, self.audit[1].smallest]

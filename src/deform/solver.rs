@@ -4,10 +4,11 @@ use super::{
     Begin, Blame, DeformError, DeformOptions, DeformStatus, Deformed, Deformer, Effort, ElementReport, FactorChoice, HandlePlace, HeldVertices, Hold,
     OnContradiction, RestShape, SolveMethod, SolveOptions, nearest_rotations,
 };
-use crate::audit::{Precision, orientations};
+use crate::audit::orientations;
+use crate::field::Precision;
 use crate::linalg::small::{from_scaled, scaled_length, smallest_eigenvalue};
 use crate::mesh::SimplicialComplex;
-use crate::qp::{Engine, FactorPrecision, Iterate, PenaltyOptions, Problem, QpStatus, Solution};
+use crate::qp::{Engine, FactorPrecision, Iterate, Known, PenaltyOptions, Problem, QpStatus, Solution};
 
 /// Operations of a factorisation from which single precision pays although it needs more solves.
 const HEAVY: f64 = 1e11;
@@ -192,7 +193,7 @@ impl DeformSolver {
             QpStatus::Infeasible(found) => {
                 DeformStatus::Contradiction(Blame::new(found, self.deformer.rest(), &self.held, is_hard))
             }
-            QpStatus::IterationLimit | QpStatus::Stalled => DeformStatus::Uncertified,
+            QpStatus::IterationLimit | QpStatus::Stalled | QpStatus::CutOff => DeformStatus::Uncertified,
         };
         if options.on_contradiction == OnContradiction::KeepBest && !self.is_usable(&solved)? {
             return self.closest((&rotations, targets), status, solved, options, (effort, preview));
@@ -222,7 +223,9 @@ impl DeformSolver {
             SolveMethod::InteriorPoint => {
                 let last = self.last.as_ref().filter(|_| options.begin == Begin::Warm);
                 let warm = last.map(|iterate| (&iterate.x[..], &iterate.dual[..]));
-                self.engine.solve_watched(&problem, warm, &options.settings, &mut |at, x| show(at.iteration, x, at.gap, None))?
+                let inside = self.deformer.turned_rest(rotations, &reference);
+                let known = Known { warm, inside: inside.as_deref() };
+                self.engine.solve_watched(&problem, known, &options.settings, &mut |at, x| show(at.iteration, x, at.gap, None))?
             }
             SolveMethod::Penalty(penalty) => {
                 let weights = Some(self.deformer.rest().measures().to_vec());
@@ -257,10 +260,17 @@ impl DeformSolver {
             .map(|(place, point)| std::array::from_fn(|axis| if axis < dimension { place[axis] } else { point[axis] }))
             .collect();
         let judge = |precision| orientations(&self.complex, rest.folded(), &points, precision);
-        let audit = [judge(Precision::Double)?, judge(Precision::Single)?];
+        let audit = [judge(Precision::F64)?, judge(Precision::F32)?];
         let is_clean = audit.iter().all(|report| report.is_clean());
+        let energy = self.deformer.energy(&rotations, targets, &positions)?;
+        let rest_measure = rest.measures().iter().sum();
+        let smallest_eigenvalues = rest.smallest_eigenvalues(&rotations, &positions)?;
+        let margins = self.deformer.margins(targets);
+        let is_inside = smallest_eigenvalues.iter().zip(&margins).all(|(least, margin)| least >= margin);
         let status = match status {
             DeformStatus::Certified | DeformStatus::Uncertified if !is_clean => DeformStatus::Inverted,
+            // No energy is below zero: there is nothing to gain, whatever a gap relative to rounding says.
+            DeformStatus::Uncertified if is_inside && energy.total() <= Deformed::NO_ENERGY * rest_measure => DeformStatus::Certified,
             other => other,
         };
         let handles = self.held.vertices.iter().zip(targets).map(|(&vertex, &asked)| {
@@ -272,21 +282,20 @@ impl DeformSolver {
             DeformStatus::Certified => None,
             DeformStatus::Contradiction(blame) => Some(blame.clone()),
             DeformStatus::Uncertified | DeformStatus::Inverted => {
-                let margins = self.deformer.margins(targets);
-                let smallest = rest.smallest_eigenvalues(&rotations, &positions)?;
-                let short = smallest.iter().zip(&margins).map(|(least, margin)| margin - least).enumerate();
+                let short = smallest_eigenvalues.iter().zip(&margins).map(|(least, margin)| margin - least).enumerate();
                 Some(Blame::of_elements(short.filter(|&(_, short)| short > 0.0).collect(), rest, &self.held))
             }
         };
         let elements = ElementReport {
             determinants: rest.determinants(&positions)?,
-            smallest_eigenvalues: rest.smallest_eigenvalues(&rotations, &positions)?,
+            smallest_eigenvalues,
             energy_densities: self.deformer.energy_densities(&rotations, &positions)?,
             active: active(&solution, dimension),
         };
         Ok(Deformed {
             handles: handles.collect(),
-            energy: self.deformer.energy(&rotations, targets, &positions)?,
+            energy,
+            rest_measure,
             certificate: solution.kkt,
             status,
             suspects,

@@ -1,11 +1,11 @@
-//! Topology by hand: exactly the wanted extrema, whose values are given, bounded or free.
+//! Topology by hand: exactly the wanted extrema, whose values are given, bounded or free; with or without data to stay close to.
 //!
-//! Literature: Jacobson, Weinkauf, Sorkine 2012, eq. 12–14, without a data term.
+//! Literature: Jacobson, Weinkauf, Sorkine 2012, eq. 12–14; without data the data term is left out.
 
-use crate::field::{VertexId, VertexOrder};
+use crate::field::{Precision, VertexId, VertexOrder};
 use crate::mesh::SimplicialComplex;
 use crate::monotone::{
-    Contradiction, EdgeSet, EnergyWeights, Fitter, Levels, MonotoneConstraints, MonotoneFit, MonotonicityGraph, Precision, Representative,
+    Contradiction, EdgeSet, EnergyWeights, Fitter, Levels, MonotoneConstraints, MonotoneFit, MonotonicityGraph, Representative,
     RepresentativeError, Strictness, ValueRule, harmonic, levels, repair, representative,
 };
 use crate::morse::WantedExtrema;
@@ -20,6 +20,17 @@ const MARGIN_F32: f64 = 1e-4;
 const MARGIN_F64: f64 = 1e-6;
 /// Room beyond the known values for levels of extrema whose value is free, in parts of the range of the known ones.
 const ROOM: f64 = 0.25;
+
+/// Data that a function stays close to.
+#[derive(Debug, Clone, Copy)]
+pub struct Nearness<'a> {
+    /// `n` finite values; what they are where the confidence is 0 says nothing.
+    pub data: &'a [f64],
+    /// Smoothing length l in the units of the points, positive.
+    pub length: f64,
+    /// Confidence in each value, `n` numbers not below 0, one above at least; 1 everywhere if absent.
+    pub confidence: Option<&'a [f64]>,
+}
 
 /// The function of least energy with exactly the wanted extrema, whose values are fixed, within intervals, or free.
 ///
@@ -51,24 +62,78 @@ pub fn interpolate_wanted(
     options: &InterpolateOptions,
 ) -> Result<Interpolated, InterpolateError> {
     let complex = interpolator.complex();
-    let clock = std::time::Instant::now();
     let n = complex.vertex_count();
-    if rules.len() != n {
-        return Err(InterpolateError::Count { what: "rules", found: rules.len(), expected: n });
-    }
-    check_scale(complex, wanted, rules)?;
+    check_count("rules", rules.len(), n)?;
+    check_scale(complex, wanted, rules, |_| false)?;
     let (low, high) = known_range(rules);
-    let unit = if high > low { high - low } else { 1.0 };
-    let operators = interpolator.operators();
-    let mass: f64 = operators.mass.iter().sum();
+    let mass: f64 = interpolator.operators().mass.iter().sum();
     let spacing = (mass / n.max(1) as f64).powf(1.0 / complex.dimension() as f64);
-    let none = vec![0.0; n];
     // Without confidence the data only say in which units the solver works.
     let mut data = vec![low; n];
     data[0] = high;
-    let weights = EnergyWeights { order: interpolator.order(), length: spacing, confidence: Some(&none), smoothness: None };
+    let nothing = Nearness { data: &data, length: spacing, confidence: Some(&vec![0.0; n]) };
+    by_hand(interpolator, (wanted, rules), &nothing, (low, high), options)
+}
+
+/// As [`interpolate_wanted`], and as close to data as the extrema allow.
+///
+/// ```text
+/// minimise Σ c_i m_i (f_i - h_i)² + l^2k fᵀ (L M⁻¹)^(k-1) L f   subject to the same
+/// ```
+///
+/// # Arguments
+/// * `wanted`, `rules`: as for [`interpolate_wanted`]; every value may be free.
+/// * `near`: the data h, the confidence c and the smoothing length l.
+///
+/// # Returns
+/// A function as that of [`interpolate_wanted`]; the energy of its report is that of smoothness alone.
+///
+/// # Errors
+/// As [`interpolate_wanted`], [`InterpolateError::NoScale`] only where a part has no data; [`InterpolateError::Nearness`] for a length, a value or a confidence that
+/// is out of range.
+///
+/// # Cost
+/// As [`interpolate_wanted`].
+///
+/// # Source
+/// Jacobson, Weinkauf, Sorkine 2012, eq. 12–14, with the data term of their section 3.1.
+pub fn interpolate_near(
+    interpolator: &Interpolator<'_>,
+    wanted: &WantedExtrema,
+    rules: &[ValueRule],
+    near: &Nearness<'_>,
+    options: &InterpolateOptions,
+) -> Result<Interpolated, InterpolateError> {
+    let complex = interpolator.complex();
+    let n = complex.vertex_count();
+    check_count("rules", rules.len(), n)?;
+    check_nearness(near, n)?;
+    let trusted = |vertex: &usize| near.confidence.is_none_or(|confidence| confidence[*vertex] > 0.0);
+    // A part without any data hangs on given values, as without data at all.
+    check_scale(complex, wanted, rules, |vertex| trusted(&vertex))?;
+    let (mut low, mut high) = known_range(rules);
+    for vertex in (0..n).filter(trusted) {
+        (low, high) = (low.min(near.data[vertex]), high.max(near.data[vertex]));
+    }
+    by_hand(interpolator, (wanted, rules), near, (low, high), options)
+}
+
+fn by_hand(
+    interpolator: &Interpolator<'_>,
+    (wanted, rules): (&WantedExtrema, &[ValueRule]),
+    near_to: &Nearness<'_>,
+    (low, high): (f64, f64),
+    options: &InterpolateOptions,
+) -> Result<Interpolated, InterpolateError> {
+    let complex = interpolator.complex();
+    let clock = std::time::Instant::now();
+    let unit = if high > low { high - low } else { 1.0 };
+    let operators = interpolator.operators();
+    let data = near_to.data;
+    let weights =
+        EnergyWeights { order: interpolator.order(), length: near_to.length, confidence: near_to.confidence, smoothness: None };
     let mut fitter = Fitter::new(complex, operators, interpolator.order())?;
-    let pinned = near(&mut fitter, &data, &weights, rules)?;
+    let pinned = near(&mut fitter, data, &weights, rules)?;
     let work = Work { complex, wanted, rules, options, range: (low - ROOM * unit, high + ROOM * unit) };
     let asked: &[Guide] = match options.guide {
         Guide::Automatic if interpolator.order() > 2 => &[Guide::SmoothThenSimplify, Guide::Harmonic],
@@ -84,7 +149,7 @@ pub fn interpolate_wanted(
                 continue;
             }
         };
-        let fit = work.solve(&mut fitter, (&data, &weights), &guide, &pinned, None)?;
+        let fit = work.solve(&mut fitter, (data, &weights), &guide, &pinned, None)?;
         iterations += fit.iterations;
         factorizations += fit.factorizations;
         let is_better = |(_, _, least): &(Along, bool, MonotoneFit)| fit.energy < least.energy;
@@ -100,7 +165,7 @@ pub fn interpolate_wanted(
     for _ in 0..options.refine {
         let strict = work.strict(&guide.0, &fit, Precision::F64)?;
         let Ok(next_guide) = work.along(VertexOrder::of_values(&strict)?) else { break };
-        let next = work.solve(&mut fitter, (&data, &weights), &next_guide, &fit.values, Some(&fit.values))?;
+        let next = work.solve(&mut fitter, (data, &weights), &next_guide, &fit.values, Some(&fit.values))?;
         iterations += next.iterations;
         factorizations += next.factorizations;
         let gain = fit.energy - next.energy;
@@ -117,7 +182,7 @@ pub fn interpolate_wanted(
     let largest_repair = values.iter().zip(&fit.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let report = InterpolateReport {
         energy: interpolator.energy(&values),
-        residual: fit.kkt.stationarity,
+        residual: fit.kkt.backward,
         gap: fit.kkt.duality_gap,
         rows: fit.rows,
         active_rows: fit.active_rows,
@@ -226,11 +291,42 @@ fn near(
     if changed { Ok(fitter.minimiser(data, weights, &pins)?) } else { Ok(found) }
 }
 
-/// Every connected part needs a minimum and a maximum that are fixed or bounded.
-fn check_scale(complex: &SimplicialComplex, wanted: &WantedExtrema, rules: &[ValueRule]) -> Result<(), InterpolateError> {
+fn check_count(what: &'static str, found: usize, expected: usize) -> Result<(), InterpolateError> {
+    if found == expected { Ok(()) } else { Err(InterpolateError::Count { what, found, expected }) }
+}
+
+fn check_nearness(near: &Nearness<'_>, n: usize) -> Result<(), InterpolateError> {
+    check_count("data", near.data.len(), n)?;
+    let refuse = |what: &'static str, place: usize, value: f64, expected: &'static str| {
+        Err(InterpolateError::Nearness { what, place, value, expected })
+    };
+    if !(near.length > 0.0 && near.length.is_finite()) {
+        return refuse("length", 0, near.length, "a positive number");
+    }
+    if let Some(vertex) = near.data.iter().position(|value| !value.is_finite()) {
+        return refuse("data", vertex, near.data[vertex], "a finite number");
+    }
+    let Some(confidence) = near.confidence else { return Ok(()) };
+    check_count("confidence", confidence.len(), n)?;
+    match confidence.iter().position(|&value| !(value >= 0.0 && value.is_finite())) {
+        Some(vertex) => refuse("confidence", vertex, confidence[vertex], "a number not below 0"),
+        None if confidence.iter().all(|&value| value == 0.0) => refuse("confidence", 0, 0.0, "one above 0 at least"),
+        None => Ok(()),
+    }
+}
+
+/// Every connected part without data needs a minimum and a maximum that are fixed or bounded.
+fn check_scale(
+    complex: &SimplicialComplex,
+    wanted: &WantedExtrema,
+    rules: &[ValueRule],
+    has_data: impl Fn(usize) -> bool,
+) -> Result<(), InterpolateError> {
     let (component, parts) = complex.components();
+    let mut is_held = vec![false; parts];
+    component.iter().enumerate().filter(|(vertex, _)| has_data(*vertex)).for_each(|(_, &part)| is_held[part as usize] = true);
     for (kind, vertices) in [("minimum", &wanted.minima), ("maximum", &wanted.maxima)] {
-        let mut is_bounded = vec![false; parts];
+        let mut is_bounded = is_held.clone();
         let has_rule = |vertex: &&VertexId| rules[vertex.index()] != ValueRule::Free;
         vertices.iter().filter(has_rule).for_each(|vertex| is_bounded[component[vertex.index()] as usize] = true);
         if let Some(part) = is_bounded.iter().position(|bounded| !bounded) {

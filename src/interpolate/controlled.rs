@@ -2,10 +2,10 @@
 //!
 //! Literature: Jacobson, Weinkauf, Sorkine 2012, section 3, without a data term.
 
-use crate::field::{VertexId, VertexOrder};
+use crate::field::{Precision, VertexId, VertexOrder};
 use crate::linalg::CsrMatrix;
 use crate::monotone::{
-    Contradiction, EdgeSet, Levels, MonotonicityGraph, Precision, Strictness, ValueRule, flood, levels, repair, st_numbering, sweep,
+    Contradiction, EdgeSet, Levels, MonotonicityGraph, Strictness, ValueRule, flood, levels, repair, st_numbering, sweep,
 };
 use crate::qp::{Constraints, Engine, Objective, Problem, QpStatus, Settings, Solution};
 
@@ -159,12 +159,32 @@ impl<'a> Controlled<'a> {
     ///
     /// # Arguments
     /// * `near`: a field on the vertices near the solution, best the minimiser without order constraints.
+    /// * `rival`: what other directions led to; it is returned if these are worse, which often shows long before the solve would end.
     ///
     /// # Source
     /// Refinement: Günther, Jacobson, Reininghaus, Seidel, Sorkine-Hornung, Weinkauf 2014.
-    pub fn solve(&self, engine: &mut Engine, directions: Directions, near: &[f64]) -> Result<Strict, InterpolateError> {
+    pub fn solve(
+        &self,
+        engine: &mut Engine,
+        directions: Directions,
+        near: &[f64],
+        rival: Option<Strict>,
+    ) -> Result<Strict, InterpolateError> {
         let start: Vec<f64> = near.iter().map(|value| (value - self.shift) / self.unit).collect();
-        let solution = self.along_directions(engine, &directions, None, &start)?;
+        let cutoff = rival.as_ref().map_or(f64::INFINITY, |rival| rival.solution.objective);
+        let solution = self.along_directions(engine, &directions, (&start, None), cutoff)?;
+        match rival {
+            Some(rival) if solution.status == QpStatus::CutOff => Ok(Strict {
+                iterations: rival.iterations + solution.iterations,
+                factorizations: rival.factorizations + solution.factorizations,
+                ..rival
+            }),
+            Some(rival) => Ok(rival.or_better(self.refined(engine, solution, directions)?)),
+            None => self.refined(engine, solution, directions),
+        }
+    }
+
+    fn refined(&self, engine: &mut Engine, solution: Solution, directions: Directions) -> Result<Strict, InterpolateError> {
         let mut best = self.strict(solution, directions, Precision::F64)?;
         for _ in 0..self.options.refine {
             let order = VertexOrder::of_values(&best.nodes)?;
@@ -173,7 +193,7 @@ impl<'a> Controlled<'a> {
             let mixed = swept.iter().zip(&directions.levels.values).map(|(near, level)| near + LEVEL_SHARE * (level - near));
             let nodes: Vec<f64> = mixed.map(|value| (value - self.shift) / self.unit).collect();
             let start = self.contraction.spread(&nodes);
-            let solution = self.along_directions(engine, &directions, Some(&best.nodes), &start)?;
+            let solution = self.along_directions(engine, &directions, (&start, Some(&best.nodes)), f64::INFINITY)?;
             let gain = best.solution.objective - solution.objective;
             if gain <= 0.0 {
                 break;
@@ -198,8 +218,8 @@ impl<'a> Controlled<'a> {
         &self,
         engine: &mut Engine,
         directions: &Directions,
-        feasible: Option<&[f64]>,
-        start: &[f64],
+        (start, feasible): (&[f64], Option<&[f64]>),
+        cutoff: f64,
     ) -> Result<Solution, InterpolateError> {
         let Contraction { member, fixed, node, .. } = self.contraction;
         let margin = match self.options.precision {
@@ -225,7 +245,7 @@ impl<'a> Controlled<'a> {
         let held = node.iter().map(|&node| fixed[node as usize].map(|value| (value - self.shift) / self.unit)).collect();
         let problem =
             Problem { objective: self.objective.clone(), fixed: held, constraints: Constraints::nonnegative(matrix, offset) };
-        let settings = Settings { relative_gap: self.options.relative_gap, ..Settings::default() };
+        let settings = Settings { relative_gap: self.options.relative_gap, cutoff, ..Settings::default() };
         Ok(engine.solve(&problem, Some(start), &settings, &mut |_| {})?)
     }
 

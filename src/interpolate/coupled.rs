@@ -124,7 +124,7 @@ pub(super) fn coupled(
         let report = InterpolateReport {
             energy: interpolator.energy(&values),
             status: solution.status.clone(),
-            residual: solution.kkt.stationarity,
+            residual: solution.kkt.backward,
             gap: solution.kkt.duality_gap,
             rows: solution.slack.len(),
             iterations: solution.iterations,

@@ -119,6 +119,18 @@ pub enum InterpolateError {
         /// The lowest vertex of the part.
         vertex: VertexId,
     },
+    /// What the function is to stay close to, or how close, is out of range.
+    #[error("the {what} at {place} is {value}; expected {expected}")]
+    Nearness {
+        /// `data`, `confidence` or `length`.
+        what: &'static str,
+        /// The first such vertex; 0 for the length.
+        place: usize,
+        /// What was found.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
     /// No field has exactly the wanted extrema, or none was found.
     #[error(transparent)]
     Representative(#[from] RepresentativeError),
@@ -168,4 +180,15 @@ pub enum InterpolateError {
     /// The solver refused the problem.
     #[error("the problem could not be solved: {0}")]
     Solver(#[from] QpError),
+}
+
+/// Largest componentwise backward error, measured in product form, at which a function is called the minimiser.
+const RESIDUAL: f64 = 1e-8;
+
+/// The residual of an accurate result.
+///
+/// # Errors
+/// [`InterpolateError::Inaccurate`].
+pub(super) fn accepted(order: usize, residual: f64) -> Result<f64, InterpolateError> {
+    if residual <= RESIDUAL { Ok(residual) } else { Err(InterpolateError::Inaccurate { order, residual, tolerance: RESIDUAL }) }
 }

@@ -15,10 +15,8 @@ use super::contraction::Contraction;
 use super::controlled::{Controlled, Directions, Frame, Strict};
 use super::lanes::in_lanes;
 use super::method::{Guide, InterpolateOptions, Mass, Method};
-use super::InterpolateError;
+use super::error::{InterpolateError, accepted};
 
-/// Largest residual, measured in product form, at which a result is accepted.
-const RESIDUAL: f64 = 1e-8;
 /// A result within this part of the bound, the energy without order constraints, is good enough not to try other directions.
 const NEAR_BOUND: f64 = 0.01;
 /// A row counts as active if the solution is this much closer to it than the range of the values.
@@ -62,8 +60,8 @@ pub struct InterpolateReport {
     pub energy: f64,
     /// How the solver ended.
     pub status: QpStatus,
-    /// Largest gradient of the Lagrangian at a free vertex, measured in product form. Of linear methods relative to the addends it is the sum
-    /// of (the componentwise backward error), of the others relative to the largest force.
+    /// Largest gradient of the Lagrangian at a free vertex, measured in product form, relative to the addends it is the sum of: the
+    /// componentwise backward error. Linear methods refuse a function with more than 1e-8; of the others the status tells.
     pub residual: f64,
     /// Duality gap relative to the energy; 0 where the method is linear.
     pub gap: f64,
@@ -344,10 +342,7 @@ impl<'a> Interpolator<'a> {
     }
 
     fn linear(&self, minimum: Minimum, order: usize, seconds: f64) -> Result<Interpolated, InterpolateError> {
-        let residual = minimum.backward;
-        if residual.is_nan() || residual > RESIDUAL {
-            return Err(InterpolateError::Inaccurate { order, residual, tolerance: RESIDUAL });
-        }
+        let residual = accepted(order, minimum.backward)?;
         let energy = self.energy(&minimum.x);
         let report = InterpolateReport { energy, residual, seconds, ..InterpolateReport::solved() };
         Ok(Interpolated { values: minimum.x, report })
@@ -377,7 +372,7 @@ impl<'a> Interpolator<'a> {
         let report = match ending {
             Ending::Settled(minimum) => InterpolateReport { residual: minimum.backward, ..shared },
             Ending::Interior(solution) => InterpolateReport {
-                residual: solution.kkt.stationarity,
+                residual: solution.kkt.backward,
                 gap: solution.kkt.duality_gap,
                 factorizations: solution.factorizations,
                 status: solution.status,
@@ -422,11 +417,7 @@ impl<'a> Interpolator<'a> {
                 break;
             }
             let directions = controlled.directions(field, harmonic)?;
-            let found = controlled.solve(engine, directions, pinned)?;
-            strict = Some(match strict.take() {
-                Some(other) => other.or_better(found),
-                None => found,
-            });
+            strict = Some(controlled.solve(engine, directions, pinned, strict.take())?);
         }
         let strict = strict.ok_or(InterpolateError::Count { what: "representative functions", found: 0, expected: 1 })?;
         let values = contraction.spread(&strict.nodes);
@@ -434,7 +425,7 @@ impl<'a> Interpolator<'a> {
         let scale = 2.0 * self.energy_unit();
         let report = InterpolateReport {
             energy: self.energy(&values),
-            residual: strict.solution.kkt.stationarity,
+            residual: strict.solution.kkt.backward,
             gap: strict.solution.kkt.duality_gap,
             rows: strict.solution.slack.len(),
             active_rows: strict.solution.slack.iter().filter(|&&slack| slack < ACTIVE).count(),

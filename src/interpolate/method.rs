@@ -1,7 +1,8 @@
 //! The methods and what may be asked of them.
 
+use crate::field::Precision;
 use crate::mesh::SimplicialComplex;
-use crate::monotone::{Operators, Precision};
+use crate::monotone::Operators;
 use crate::operators::{OperatorError, mixed_voronoi_mass};
 
 /// How a function is found from boundary values.

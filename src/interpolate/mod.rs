@@ -25,7 +25,7 @@ mod method;
 mod partition;
 mod weights;
 
-pub use by_hand::interpolate_wanted;
+pub use by_hand::{Nearness, interpolate_near, interpolate_wanted};
 pub use colours::{Blend, Diffused, diffuse};
 pub use error::InterpolateError;
 pub use interpolator::{BoundaryValues, InterpolateReport, Interpolated, Interpolator};

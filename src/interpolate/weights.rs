@@ -3,7 +3,7 @@
 //! Literature: Jacobson, Weinkauf, Sorkine 2012, section 4; Jacobson, Baran, Popović, Sorkine 2011.
 
 use crate::audit::{PlateauReport, audit_plateaus};
-use crate::monotone::Precision;
+use crate::field::Precision;
 
 use super::coupled::coupled;
 use super::method::{InterpolateOptions, Method};

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::collection::{Collection, CollectionKind, addresses};
 use super::dataset::{DataSet, Geometry};
 use super::error::{Fault, IoError, Place, quoted};
 use super::weld::weld;
@@ -40,30 +41,28 @@ pub(super) fn read_indexed(
             };
             Ok(DataSet { field_data, version, ..whole })
         }
-        Index::Blocks(references) => only(path, &references, "blocks", serial),
-        Index::Steps(references) => only(path, &references, "time steps", serial),
+        Index::Collection(listing) => only(path, &Collection::of_listing(path, listing), serial),
     }
 }
 
-fn beside(path: &Path, reference: &Reference) -> PathBuf {
+pub(super) fn beside(path: &Path, reference: &Reference) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).join(&reference.file)
 }
 
 /// The one file of a collection; several are not one data set, and which of them is meant is the user's to say.
-fn only(
-    path: &Path,
-    references: &[Reference],
-    what: &str,
-    serial: impl Fn(&Path) -> Result<DataSet, IoError>,
-) -> Result<DataSet, IoError> {
-    const LISTED: usize = 6;
-    if let [reference] = references {
-        return serial(&beside(path, reference));
+fn only(path: &Path, collection: &Collection, serial: impl Fn(&Path) -> Result<DataSet, IoError>) -> Result<DataSet, IoError> {
+    let what = match collection.kind {
+        CollectionKind::Blocks => "blocks",
+        CollectionKind::Steps => "time steps",
+    };
+    match collection.entries.as_slice() {
+        [only] if collection.empty.is_empty() => serial(&only.path),
+        entries => {
+            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let address = &entries[0].address;
+            let found = format!("a collection of {} {what} as one data set", entries.len() + collection.empty.len());
+            let expected = format!("one of them, such as {name}/{address} (there are {})", addresses(collection));
+            Err(Fault::unsupported(Place::File, found, expected).in_file(path))
+        }
     }
-    let mut names: Vec<&str> = references.iter().take(LISTED).map(|reference| reference.file.as_str()).collect();
-    if references.len() > LISTED {
-        names.push("...");
-    }
-    let expected = format!("one data set, such as one of {}", names.join(", "));
-    Err(Fault::unsupported(Place::File, format!("a collection of {} {what}", references.len()), expected).in_file(path))
 }

@@ -4,17 +4,20 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use super::collection::{may_list_files, resolve};
 use super::dataset::DataSet;
 use super::error::{Fault, IoError, Place};
 use super::formats::MeshFormat;
 use super::parallel::read_indexed;
+use super::xml::Index;
 use super::{legacy, xml};
 
 /// Reads a data set from a VTK XML file (`.vti .vtr .vts .vtp .vtu`), a parallel one (`.pvti .pvtr .pvts .pvtp .pvtu`), a legacy
 /// `.vtk` file, a mesh file (`.obj .off .ply .stl .mesh .msh`), or a table (`.csv .tsv`).
 ///
 /// Pieces of a parallel file become one data set without seams: ghost cells are left out, and points that stand in several pieces are one.
-/// A collection (`.vtm .pvd`) is read if it names one file. The content tells VTK's files, whatever they are called; mesh files are told by their extension. Several pieces in one
+/// A collection (`.vtm .pvd`) is read if it names one file; of several, `case.vtm/inlet` or `steps.pvd/3` is one of them, as
+/// [`resolve`](super::resolve) finds it. The content tells VTK's files, whatever they are called; mesh files are told by their extension. Several pieces in one
 /// file become one data set. Surfaces become poly data, Medit and Gmsh meshes unstructured grids; points keep their
 /// numbers (but for `.stl`, which has none). A table becomes a polyline: a point a row, along its dates or its first rising or falling
 /// column.
@@ -28,11 +31,18 @@ use super::{legacy, xml};
 /// the bytes that are there before memory is taken; packed data may unfold at most as far as its compressor can pack
 /// (1,040-fold for zlib, 256-fold for lz4, 65,536-fold for lzma).
 pub fn read(path: impl AsRef<Path>) -> Result<DataSet, IoError> {
-    read_file(path.as_ref(), true)
+    let path = path.as_ref();
+    match resolve(path)? {
+        same if same == path => read_file(path, LEVELS),
+        block => read_file(&block, LEVELS),
+    }
 }
 
-/// Reads a file; names of other files in it are followed only where that is allowed, so that no file can lead to itself.
-fn read_file(path: &Path, follows: bool) -> Result<DataSet, IoError> {
+/// A collection may list parallel files, and these pieces.
+const LEVELS: usize = 2;
+
+/// Reads a file; names of other files in it are followed for a number of levels, so that no file can lead to itself.
+fn read_file(path: &Path, levels: usize) -> Result<DataSet, IoError> {
     let failed = |source| IoError::Read { path: path.to_owned(), source };
     let file = File::open(path).map_err(failed)?;
     let metadata = file.metadata().map_err(failed)?;
@@ -52,12 +62,12 @@ fn read_file(path: &Path, follows: bool) -> Result<DataSet, IoError> {
         step = bytes.len() as u64;
     }
     (&file).read_to_end(&mut bytes).map_err(failed)?;
-    if follows
-        && is_xml(&bytes)
-        && names_files(&bytes)
+    if levels > 0
+        && may_list_files(&bytes)
         && let Some(index) = xml::index(&bytes).map_err(|fault| fault.in_file(path))?
     {
-        return read_indexed(path, index, |part| read_file(part, false));
+        let below = if matches!(index, Index::Parallel { .. }) { 0 } else { levels - 1 };
+        return read_indexed(path, index, |part| read_file(part, below));
     }
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     read_bytes(&bytes, MeshFormat::of_extension(extension)).map_err(|fault| fault.in_file(path))
@@ -67,13 +77,6 @@ fn read_file(path: &Path, follows: bool) -> Result<DataSet, IoError> {
 const LARGE: usize = 1 << 22;
 /// Where the head of a large file is searched first; it doubles until it is found.
 const HEAD: u64 = 1 << 16;
-
-/// Whether the head of an XML file has a type that stands for other files, so that it is worth parsing for their names.
-fn names_files(bytes: &[u8]) -> bool {
-    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
-    const TYPES: [&str; 7] = ["PImage", "PRectilinear", "PStructured", "PPoly", "PUnstructured", "Collection", "vtkMulti"];
-    TYPES.iter().any(|mark| head.contains(mark))
-}
 
 fn is_xml(bytes: &[u8]) -> bool {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<")

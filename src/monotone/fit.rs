@@ -98,6 +98,16 @@ impl<'a> Fitter<'a> {
         Ok(Self { complex, operators, engine })
     }
 
+    /// With an engine whose analysis is that of this mesh.
+    pub(super) fn with_engine(complex: &'a SimplicialComplex, operators: &'a Operators, engine: Engine) -> Self {
+        Self { complex, operators: Cow::Borrowed(operators), engine }
+    }
+
+    /// The engine, for other fitters of this mesh.
+    pub(super) fn into_engine(self) -> Engine {
+        self.engine
+    }
+
     /// The operators of the mesh.
     pub fn operators(&self) -> &Operators {
         &self.operators

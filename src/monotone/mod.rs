@@ -6,6 +6,7 @@
 //!
 //! Literature: Jacobson, Weinkauf, Sorkine 2012, *Smooth shape-aware functions with controlled extrema*, section 3.
 
+mod analysis;
 mod blocks;
 mod bridges;
 mod edges;
@@ -19,13 +20,14 @@ mod representative;
 mod separatrix;
 mod simplified;
 
+pub use analysis::{AnalysisError, FitAnalysis};
 pub use blocks::{st_numbering, unreachable_regions};
 pub use edges::{EdgeSet, MonotonicityEdge, MonotonicityGraph};
 pub use energy::{EnergyWeights, Operators, energy_parts};
 pub use fit::{Fitter, MonotoneConstraints, MonotoneFit, MonotoneProblem};
 pub use flood::{Flooded, flood, flood_field, has_exactly};
 pub use levels::{Contradiction, Levels, ValueRule, levels, sweep};
-pub use repair::{NotRepresentable, Precision, Repaired, Strictness, repair};
+pub use repair::{NotRepresentable, Repaired, Strictness, repair};
 pub use representative::{Representative, RepresentativeError, Strategy, harmonic, representative};
 pub use separatrix::separatrix;
 pub use simplified::{SimplifiedField, SimplifyError, simplified_field};

@@ -5,7 +5,7 @@
 //! neighbours, so that plain `<` on the values says it all. What is kept besides the extrema are the values of the
 //! vertices at which they die, so that every persistence pair that is left has the persistence it had.
 
-use crate::field::{VertexId, VertexOrder};
+use crate::field::{Precision, VertexId, VertexOrder};
 use crate::mesh::SimplicialComplex;
 use crate::morse::{ExtremumKind, WantedExtrema, extremum_pairs};
 
@@ -13,7 +13,7 @@ use super::bridges::flood_with_bridges;
 use super::edges::{EdgeSet, MonotonicityGraph};
 use super::flood::Flooded;
 use super::levels::{Contradiction, ValueRule, levels, sweep};
-use super::repair::{NotRepresentable, Precision, Repaired, Strictness, repair};
+use super::repair::{NotRepresentable, Repaired, Strictness, repair};
 use super::representative::{RepresentativeError, harmonic};
 
 /// A field with exactly the wanted extrema, near a given one.

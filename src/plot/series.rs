@@ -1,12 +1,10 @@
 //! A series and its smooth version over place or time, with the kept extrema marked: one drawing, as SVG or as PNG.
 
-use std::fmt::Write;
-
-use super::canvas::{Align, Canvas, LABEL, TITLE};
-use super::colour::{FAINT_INK, INK, MAXIMUM, MINIMUM, Rgb};
+use super::canvas::{Align, LABEL};
+use super::colour::{FAINT_INK, MAXIMUM, MINIMUM, Rgb};
 use super::dates::date_ticks;
 use super::error::PlotError;
-use super::panel::draw_mark;
+use super::marks::{self, Mark};
 use super::picture::Picture;
 use super::ticks::ticks;
 
@@ -19,7 +17,6 @@ const BOTTOM: i64 = 92;
 const GRID: Rgb = [228, 228, 232];
 const DATA: Rgb = [150, 166, 190];
 const SMOOTH: Rgb = [20, 24, 34];
-const SPIKE: Rgb = [232, 150, 20];
 
 /// What the places of a series are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,14 +50,6 @@ pub struct SeriesChart<'a> {
     pub spikes: &'a [usize],
 }
 
-/// A part of the drawing, in pixels from the upper left corner.
-enum Mark {
-    Line(Vec<[f64; 2]>, f64, Rgb),
-    Disc([f64; 2], f64, Rgb),
-    Star([f64; 2]),
-    Text([f64; 2], Align, bool, String),
-}
-
 impl SeriesChart<'_> {
     /// The chart as an SVG document.
     ///
@@ -70,16 +59,7 @@ impl SeriesChart<'_> {
     /// # Cost
     /// O(n).
     pub fn svg(&self) -> Result<String, PlotError> {
-        let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\">\n\
-             <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
-        );
-        for mark in self.marks()? {
-            // Writing to a String cannot fail.
-            let _ = mark.write_svg(&mut svg);
-        }
-        svg.push_str("</svg>\n");
-        Ok(svg)
+        Ok(marks::svg((WIDTH, HEIGHT), &self.marks()?))
     }
 
     /// The chart as a picture of 1600 x 640 pixels.
@@ -90,9 +70,7 @@ impl SeriesChart<'_> {
     /// # Cost
     /// O(n + pixels).
     pub fn picture(&self) -> Result<Picture, PlotError> {
-        let mut canvas = Canvas::new(WIDTH as u32, HEIGHT as u32);
-        self.marks()?.iter().for_each(|mark| mark.draw(&mut canvas));
-        Ok(Picture::of_pixels(WIDTH as u32, HEIGHT as u32, canvas.into_pixels()))
+        Ok(marks::picture((WIDTH, HEIGHT), &self.marks()?))
     }
 
     fn marks(&self) -> Result<Vec<Mark>, PlotError> {
@@ -170,73 +148,5 @@ impl SeriesChart<'_> {
             say(marks, Some(Mark::Star([column(&words) + 8.0, row])), text);
         }
         marks.push(Mark::Text([(WIDTH - RIGHT) as f64, row], Align::Right, false, self.place.to_owned()));
-    }
-}
-
-/// Corners of a star with five rays.
-fn star([x, y]: [f64; 2]) -> Vec<[f64; 2]> {
-    (0..=10)
-        .map(|corner| {
-            let (angle, radius) = (std::f64::consts::PI * f64::from(corner) / 5.0, if corner % 2 == 0 { 11.0 } else { 4.6 });
-            [x + radius * angle.sin(), y - radius * angle.cos()]
-        })
-        .collect()
-}
-
-impl Mark {
-    fn draw(&self, canvas: &mut Canvas) {
-        match self {
-            Self::Line(points, radius, colour) => {
-                points.windows(2).for_each(|ends| canvas.segment(ends[0], ends[1], *radius, *colour));
-            }
-            Self::Disc(centre, radius, colour) => draw_mark(canvas, *centre, *radius, *colour),
-            Self::Star(centre) => {
-                let corners = star(*centre);
-                corners.windows(2).for_each(|ends| canvas.segment(ends[0], ends[1], 1.0, SPIKE));
-                corners.windows(2).for_each(|ends| canvas.segment(*centre, ends[0], 1.6, SPIKE));
-            }
-            Self::Text([x, y], align, is_title, text) => {
-                let font = if *is_title { TITLE } else { LABEL };
-                canvas.text(x.round() as i64, y.round() as i64 - font.height() / 2, *align, font, INK, text);
-            }
-        }
-    }
-
-    fn write_svg(&self, svg: &mut String) -> std::fmt::Result {
-        let hex = |[r, g, b]: Rgb| format!("#{r:02x}{g:02x}{b:02x}");
-        let path = |points: &[[f64; 2]]| points.iter().map(|[x, y]| format!("{x:.2},{y:.2}")).collect::<Vec<_>>().join(" ");
-        match self {
-            Self::Line(points, radius, colour) => writeln!(
-                svg,
-                "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:.1}\" stroke-linejoin=\"round\"/>",
-                path(points),
-                hex(*colour),
-                2.0 * radius
-            ),
-            Self::Disc([x, y], radius, colour) => writeln!(
-                svg,
-                "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius}\" fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1\"/>",
-                hex(*colour)
-            ),
-            Self::Star(centre) => {
-                writeln!(svg, "<polygon points=\"{}\" fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1\"/>", path(&star(*centre)), hex(SPIKE))
-            }
-            Self::Text([x, y], align, is_title, text) => {
-                let anchor = match align {
-                    Align::Left => "start",
-                    Align::Centre => "middle",
-                    Align::Right => "end",
-                };
-                let (size, weight) = if *is_title { (20, "bold") } else { (15, "normal") };
-                let escaped = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
-                writeln!(
-                    svg,
-                    "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" font-family=\"sans-serif\" font-size=\"{size}\" \
-                     font-weight=\"{weight}\" fill=\"{}\">{escaped}</text>",
-                    y + 5.0,
-                    hex(INK)
-                )
-            }
-        }
     }
 }

@@ -62,7 +62,7 @@ impl Interior<'_> {
             }
         }
         let settings = Settings { relative_gap: GAP, residual: RESIDUAL, max_iterations: LIMIT, ..*self.settings };
-        let solution = engine.run(&problem, Start::Relaxed { x: &start, dual: &dual }, &settings, &mut |_, _| {})?;
+        let solution = engine.run(&problem, (Start::Relaxed { x: &start, dual: &dual }, None), &settings, &mut |_, _| {})?;
         self.solves += solution.solves;
         self.elsewhere += solution.factorizations;
         let mut x = solution.x;

@@ -20,6 +20,19 @@ const BLOCKED: f64 = 0.05;
 /// So many short steps in a row end the search for duals that prove it; the elastic problem takes over.
 const PATIENCE: usize = 4;
 
+/// So many short steps in a row are enough to begin anew where a point inside every cone is known.
+const DETOUR: usize = 3;
+
+/// What the caller of [`Engine::solve_watched`] knows of a problem.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Known<'a> {
+    /// x and dual of a nearby problem's solution, as for [`Engine::solve_warm`]; `None` begins at the minimiser without constraints.
+    pub warm: Option<(&'a [f64], &'a [f64])>,
+    /// A point well inside every cone, n numbers, however far from the optimum. The solve goes on from there if the way from its start is
+    /// blocked; no contradiction is looked for.
+    pub inside: Option<&'a [f64]>,
+}
+
 /// What is shown of an iterate: where the solve stands, and x.
 pub(super) type Watch<'a> = dyn FnMut(Progress, &[f64]) + 'a;
 
@@ -61,6 +74,10 @@ pub(super) struct Interior<'a> {
     pub rows: Rows,
     /// The given start fulfils every row: whatever the duals seem to say, there is no contradiction.
     pub is_feasible: bool,
+    /// A point inside every cone that was not begun at yet.
+    pub inside: Option<&'a [f64]>,
+    /// The point is the minimiser without rows, fulfils every row, and is therefore the optimum, with multipliers of zero.
+    pub is_free: bool,
     /// The elastic problem has been solved already.
     pub is_suspected: bool,
     pub point: Triple,
@@ -115,13 +132,13 @@ impl Engine {
         settings: &Settings,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Solution, QpError> {
-        self.run(problem, start.map_or(Start::Cold, Start::Point), settings, &mut |at, _| progress(at))
+        self.run(problem, (start.map_or(Start::Cold, Start::Point), None), settings, &mut |at, _| progress(at))
     }
 
     /// As [`Engine::solve`], or [`Engine::solve_warm`] where the multipliers of a nearby problem are given, with a look at each iterate.
     ///
     /// # Arguments
-    /// * `warm`: x and dual of a previous solution, as for [`Engine::solve_warm`].
+    /// * `known`: what is known of the solution and of the feasible set.
     /// * `watch`: called once an iteration with the n numbers of the point.
     ///
     /// # Errors
@@ -129,11 +146,15 @@ impl Engine {
     pub fn solve_watched(
         &mut self,
         problem: &Problem,
-        warm: Option<(&[f64], &[f64])>,
+        known: Known<'_>,
         settings: &Settings,
         watch: &mut dyn FnMut(Progress, &[f64]),
     ) -> Result<Solution, QpError> {
-        self.run(problem, warm.map_or(Start::Cold, |(x, dual)| Start::Warm { x, dual }), settings, watch)
+        let start = known.warm.map_or(Start::Cold, |(x, dual)| Start::Warm { x, dual });
+        if let Some(inside) = known.inside {
+            Start::Inside(inside).check(problem)?;
+        }
+        self.run(problem, (start, known.inside), settings, watch)
     }
 
     /// Solves a problem from the point and duals of a nearby one (a moved value, the next refinement round).
@@ -151,13 +172,13 @@ impl Engine {
         settings: &Settings,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Solution, QpError> {
-        self.run(problem, Start::Warm { x, dual }, settings, &mut |at, _| progress(at))
+        self.run(problem, (Start::Warm { x, dual }, None), settings, &mut |at, _| progress(at))
     }
 
     pub(super) fn run(
         &mut self,
         problem: &Problem,
-        start: Start<'_>,
+        (start, inside): (Start<'_>, Option<&[f64]>),
         settings: &Settings,
         progress: &mut Watch<'_>,
     ) -> Result<Solution, QpError> {
@@ -186,14 +207,16 @@ impl Engine {
             elsewhere: 0,
             timings: Timings::default(),
             rows,
-            is_feasible: false,
+            is_feasible: inside.is_some(),
+            inside,
+            is_free: false,
             is_suspected: false,
             engine: self,
         };
         initial(&mut interior, start)?;
         let (status, iterations) = match interior.rows.contradiction.take() {
             Some(found) => (QpStatus::Infeasible(found), 0),
-            None if m == 0 => interior.without_rows(progress),
+            None if m == 0 || interior.is_free => interior.without_rows(progress),
             None => match interior.iterate(0, progress)? {
                 (QpStatus::Stalled, iterations) if !interior.rows.is_polyhedral() => interior.resume(iterations, progress)?,
                 (QpStatus::Stalled, iterations) => interior.restart(iterations, progress)?,
@@ -241,7 +264,7 @@ pub fn solve(
 }
 
 impl Interior<'_> {
-    /// Without rows the start is the optimum already.
+    /// Without rows, or where none holds the minimiser back, the start is the optimum already.
     fn without_rows(&mut self, progress: &mut Watch<'_>) -> (QpStatus, usize) {
         let measure = Measure::of(self);
         progress(measure.progress(0, 0.0), &self.point.x);
@@ -256,12 +279,7 @@ impl Interior<'_> {
         }
         let stalled = self.point.clone();
         initial(self, Start::Lifted)?;
-        let (status, iterations) = self.iterate(iterations, progress)?;
-        let is_open = matches!(status, QpStatus::Stalled | QpStatus::IterationLimit);
-        if is_open && Measure::of(self).merit(self.settings) >= before.merit(self.settings) {
-            self.point.copy_from(&stalled);
-        }
-        Ok((status, iterations))
+        self.again(&before, &stalled, iterations, progress)
     }
 
     /// After a stall on blocks: the elastic problem says whether they contradict each other; if it cannot, its point is the next start.
@@ -272,6 +290,10 @@ impl Interior<'_> {
             return Ok((QpStatus::Stalled, iterations));
         }
         let stalled = self.point.clone();
+        if let Some(inside) = self.inside.take() {
+            initial(self, Start::Inside(inside))?;
+            return self.again(&before, &stalled, iterations, progress);
+        }
         let verdict = if self.is_feasible { Verdict::Near(stalled.x.clone()) } else { self.elastic()? };
         let near = match verdict {
             Verdict::Infeasible(found) => return Ok((QpStatus::Infeasible(found), iterations)),
@@ -280,10 +302,21 @@ impl Interior<'_> {
         // The elastic problem is solved once; a second blockade is the end.
         self.is_suspected = true;
         initial(self, Start::Point(&near))?;
+        self.again(&before, &stalled, iterations, progress)
+    }
+
+    /// Iterates from a new start; ends at the better of the two points.
+    fn again(
+        &mut self,
+        before: &Measure,
+        stalled: &Triple,
+        iterations: usize,
+        progress: &mut Watch<'_>,
+    ) -> Result<(QpStatus, usize), QpError> {
         let (status, iterations) = self.iterate(iterations, progress)?;
         let is_open = matches!(status, QpStatus::Stalled | QpStatus::IterationLimit);
         if is_open && Measure::of(self).merit(self.settings) >= before.merit(self.settings) {
-            self.point.copy_from(&stalled);
+            self.point.copy_from(stalled);
         }
         Ok((status, iterations))
     }
@@ -312,6 +345,9 @@ impl Interior<'_> {
             if measure.is_optimal(self.settings) {
                 return Ok((QpStatus::Solved, iteration));
             }
+            if measure.is_above(self.settings.cutoff) {
+                return Ok((QpStatus::CutOff, iteration));
+            }
             let reach = largest(&self.point.x).max(self.rows.offset_size);
             let scale = (self.point.x.len(), reach);
             if !self.is_feasible && let Some(found) = certificate(&self.rows, &self.point.z, scale) {
@@ -321,6 +357,9 @@ impl Interior<'_> {
                 return Ok((QpStatus::IterationLimit, iteration));
             }
             blocked = if length < BLOCKED && iteration > first { blocked + 1 } else { 0 };
+            if blocked >= DETOUR && self.inside.is_some() {
+                return Ok((QpStatus::Stalled, iteration));
+            }
             if blocked >= 2 && !self.rows.is_polyhedral() && !self.is_feasible {
                 if blocked == 2 && let Some(found) = self.projected_certificate()? {
                     return Ok((QpStatus::Infeasible(found), iteration));

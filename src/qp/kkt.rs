@@ -36,16 +36,33 @@ impl Measure {
         measure
     }
 
-    /// Measures the current point from nothing.
+    /// Measures the current point from nothing, with its backward error.
     pub fn of_point(interior: &Interior<'_>) -> Self {
         let n = interior.point.x.len();
         let mut primal = vec![0.0; interior.rows.len()];
-        measured(interior, &mut vec![0.0; n], &mut primal, (&mut vec![0.0; n], &mut Scratch::new(n)))
+        let (mut stationarity, mut force, mut scratch) = (vec![0.0; n], vec![0.0; n], Scratch::new(n));
+        let mut measure = measured(interior, &mut stationarity, &mut primal, (&mut force, &mut scratch));
+        interior.engine.mask(&mut stationarity);
+        let objective = &interior.problem.objective;
+        objective.addends_into(&interior.point.x, &mut force, &mut scratch);
+        let mut forces = vec![0.0; n];
+        interior.rows.add_transposed(1.0, &interior.point.z, &mut forces);
+        for ((size, force), q) in force.iter_mut().zip(&forces).zip(&objective.linear) {
+            *size += force.abs() + q.abs();
+        }
+        measure.kkt.backward = backward_error(&stationarity, &force);
+        measure
     }
 
     pub fn progress(&self, iteration: usize, step: f64) -> Progress {
         let kkt = &self.kkt;
         Progress { iteration, gap: kkt.duality_gap, stationarity: kkt.stationarity, primal: kkt.primal, step }
+    }
+
+    /// Whether the dual objective, which no point can be below, exceeds a value; only asked of points near stationarity.
+    pub fn is_above(&self, value: f64) -> bool {
+        let is_told = self.kkt.stationarity <= ROUGH.max(self.kkt.rounding);
+        is_told && self.objective - self.kkt.duality_gap * self.unit > value
     }
 
     pub fn is_optimal(&self, settings: &Settings) -> bool {
@@ -64,6 +81,12 @@ impl Measure {
             .max(kkt.primal / settings.residual)
             .max(kkt.stationarity / settings.residual.max(kkt.rounding))
     }
+}
+
+/// Largest residual over the addends of its own row, NaN if any is.
+pub(super) fn backward_error(residual: &[f64], addends: &[f64]) -> f64 {
+    let relative = residual.iter().zip(addends).map(|(entry, size)| if *entry == 0.0 { 0.0 } else { entry.abs() / size });
+    relative.fold(0.0, |most, value| if value > most || value.is_nan() { value } else { most })
 }
 
 fn measured(
@@ -133,6 +156,8 @@ fn measured(
         kkt: KktResiduals {
             stationarity: relative(residual, force),
             rounding: relative(4.0 * f64::EPSILON * addends, force),
+            // Worth a pass of its own only at the end.
+            backward: f64::NAN,
             primal: relative(violation, row_size),
             complementarity: relative(most, unit),
             // Nothing below an ulp of the objective can be told.

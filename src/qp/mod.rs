@@ -35,7 +35,7 @@ mod system;
 pub use certificate::Certificate;
 pub use engine::Engine;
 pub use error::QpError;
-pub use interior::solve;
+pub use interior::{Known, solve};
 pub use mixed::KktForm;
 pub use penalty::{LineSearch, MatrixPenalty, Method, Penalty, PenaltyOptions, Preview, Until, solve_with};
 pub use pinned::{Minimum, PinnedSolver};

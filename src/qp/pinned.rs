@@ -1,6 +1,7 @@
 //! Minimisers with some unknowns fixed and no rows: one factorisation, then any number of refined solves.
 
 use super::engine::{COLUMNS, Engine};
+use super::kkt::backward_error;
 use super::problem::check_fixed;
 use super::product::{add, dot, largest};
 use super::{Objective, QpError};
@@ -133,8 +134,7 @@ impl PinnedSolver<'_> {
         let relative = |size: f64| if scale > 0.0 { size / scale } else { size };
         let stationarity = relative(largest(&gradient));
         self.objective.addends_into(&x, &mut step, &mut self.engine.scratch);
-        let sizes = gradient.iter().zip(&step).filter(|&(_, &size)| size > 0.0);
-        let backward = sizes.map(|(entry, size)| entry.abs() / size).fold(0.0, f64::max);
+        let backward = backward_error(&gradient, &step);
         self.engine.mask(&mut step);
         let rounding = relative(4.0 * f64::EPSILON * largest(&step));
         Minimum { objective: self.objective.value(&x), x, stationarity, rounding, backward, solves }

@@ -15,11 +15,14 @@ pub struct Settings {
     pub correctors: usize,
     /// Fraction of the way to the boundary of the cone that a step takes, below 1.
     pub step_fraction: f64,
+    /// A solve ends with [`QpStatus::CutOff`] once its dual objective shows that the optimum is above this: for choices among several
+    /// problems, of which only the best one counts. Never, by default.
+    pub cutoff: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { relative_gap: 1e-8, residual: 1e-8, max_iterations: 200, correctors: 3, step_fraction: 0.995 }
+        Self { relative_gap: 1e-8, residual: 1e-8, max_iterations: 200, correctors: 3, step_fraction: 0.995, cutoff: f64::INFINITY }
     }
 }
 
@@ -46,6 +49,8 @@ pub enum QpStatus {
     Solved,
     /// No point satisfies the constraints.
     Infeasible(Certificate),
+    /// The optimum is above [`Settings::cutoff`]; the point is the last one.
+    CutOff,
     /// The iterations ran out; the point is the last one.
     IterationLimit,
     /// Rounding stopped the progress above the tolerances; the point is the best one seen.
@@ -62,6 +67,10 @@ pub struct KktResiduals {
     /// `|L| W |L| ... |x|`. Where this exceeds the tolerance (order 4 and few data on fine meshes), it is the tolerance; such
     /// residuals are rough and weigh next to nothing in the gap (2e-12 in the worst case measured, order 4 at 15,000 unknowns).
     pub rounding: f64,
+    /// Componentwise backward error (Oettli and Prager 1964): largest entry of `P x + q - Aᵀ z` at a free unknown relative to the addends in
+    /// its own row, `(|L| W |L| ... |x|)_i + |q_i| + |Aᵀ z|_i`. The smallest relative change of the entries of the terms for which the point
+    /// is exactly stationary, up to rounding in forming it.
+    pub backward: f64,
     /// Largest violation of a row or block of `A x + b` (by an eigenvalue), or difference to the slack, relative to the largest entry
     /// of `|A| |x| + |b|`.
     pub primal: f64,

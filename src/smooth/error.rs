@@ -1,7 +1,7 @@
 //! Why a field was not smoothed.
 
-use crate::field::{FieldError, VertexId};
-use crate::monotone::{Contradiction, NotRepresentable, Precision, RepresentativeError, SimplifyError};
+use crate::field::{FieldError, Precision, VertexId};
+use crate::monotone::{Contradiction, NotRepresentable, RepresentativeError, SimplifyError};
 use crate::morse::MorseError;
 use crate::operators::OperatorError;
 use crate::qp::QpError;

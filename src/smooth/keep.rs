@@ -7,9 +7,9 @@
 //! Literature: Bremer, Edelsbrunner, Hamann, Pascucci 2004, *A topological hierarchy for functions on triangulated surfaces*;
 //! Weinkauf, Gingold, Sorkine 2010, *Topology-based smoothing of 2D scalar fields with C1-continuity*, section 4.
 
-use crate::field::VertexId;
+use crate::field::{Precision, VertexId};
 use crate::mesh::SimplicialComplex;
-use crate::monotone::{Precision, SimplifiedField, SimplifyError, ValueRule, simplified_field};
+use crate::monotone::{SimplifiedField, SimplifyError, ValueRule, simplified_field};
 use crate::morse::{ExtremumGraph, ExtremumKind, separatrices};
 
 use super::error::SmoothError;

@@ -1,6 +1,7 @@
 //! What a user can ask of [`smooth`](super::smooth).
 
-use crate::monotone::{EdgeSet, Precision, Strategy, Strictness};
+use crate::field::Precision;
+use crate::monotone::{EdgeSet, Strategy, Strictness};
 use crate::morse::Selection;
 
 /// The field on which extrema are measured, and whose values they keep.

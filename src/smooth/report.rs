@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::monotone::{Precision, Strategy};
+use crate::field::Precision;
+use crate::monotone::Strategy;
 use crate::qp::{KktResiduals, QpStatus};
 
 use super::options::{KeepAlso, SelectOn};

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::field::VertexId;
+use crate::field::{Precision, VertexId};
 use crate::mesh::SimplicialComplex;
 use crate::monotone::{
-    EnergyWeights, Fitter, Operators, Precision, Repaired, Strategy, ValueRule, energy_parts, repair,
+    EnergyWeights, Fitter, Operators, Repaired, Strategy, ValueRule, energy_parts, repair,
 };
 use crate::morse::{Selection, WantedExtrema};
 

@@ -1,9 +1,9 @@
 //! The convex problem, and its repetition with the solution as representative function.
 
-use crate::field::VertexOrder;
+use crate::field::{Precision, VertexOrder};
 use crate::mesh::SimplicialComplex;
 use crate::monotone::{
-    EnergyWeights, Fitter, MonotoneConstraints, MonotoneFit, MonotonicityGraph, Precision, Strictness, ValueRule, levels, repair,
+    EnergyWeights, Fitter, MonotoneConstraints, MonotoneFit, MonotonicityGraph, Strictness, ValueRule, levels, repair,
 };
 use crate::morse::WantedExtrema;
 use crate::qp::Settings;

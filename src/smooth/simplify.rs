@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::field::VertexId;
+use crate::field::{Precision, VertexId};
 use crate::mesh::SimplicialComplex;
-use crate::monotone::{Precision, SimplifyError, ValueRule, simplified_field};
+use crate::monotone::{SimplifyError, ValueRule, simplified_field};
 use crate::morse::{ExtremumPair, Selection, WantedExtrema};
 
 use super::checks::constant_components;
@@ -110,7 +110,7 @@ pub struct SimplifyReport {
 /// # Example
 /// ```
 /// use morsmooth::mesh::SimplicialComplex;
-/// use morsmooth::monotone::Precision;
+/// use morsmooth::field::Precision;
 /// use morsmooth::morse::{Selection, Threshold};
 /// use morsmooth::smooth::simplify;
 /// let line = SimplicialComplex::new(1, vec![[0.0; 3]; 5], vec![0, 1, 1, 2, 2, 3, 3, 4])?;

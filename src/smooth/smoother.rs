@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::mesh::SimplicialComplex;
-use crate::monotone::{EnergyWeights, Fitter, Operators};
+use crate::monotone::{AnalysisError, EnergyWeights, FitAnalysis, Fitter, Operators};
 use crate::morse::Selection;
 
 use super::automatic::resolve_length;
@@ -57,16 +57,70 @@ impl<'a> Smoother<'a> {
     /// # Cost
     /// O(n + m), a fill-reducing ordering and a symbolic analysis.
     pub fn new(complex: &'a SimplicialComplex, order: usize) -> Result<Self, SmoothError> {
-        if complex.simplex_count() == 0 {
-            return Err(SmoothError::Empty { vertices: complex.vertex_count(), simplices: 0 });
-        }
-        if !(1..=4).contains(&order) {
-            return Err(SmoothError::OptionRange { option: "order", found: order as f64, expected: "1, 2, 3 or 4" });
-        }
+        check_mesh(complex, order)?;
         let mut timing = Timing::default();
         let operators = timing.measure("operators", || Operators::new(complex))?;
         let fitter = timing.measure("analysis", || Fitter::new(complex, operators, order))?;
         Ok(Self { fitter, order, timing })
+    }
+
+    /// What smoothers of one mesh share: for the steps of a series that several threads smooth at once.
+    ///
+    /// # Arguments
+    /// * `order`: k of the polyharmonic energy, 1 to 4.
+    ///
+    /// # Errors
+    /// As [`Smoother::new`].
+    ///
+    /// # Cost
+    /// As [`Smoother::new`].
+    ///
+    /// # Example
+    /// ```
+    /// use morsmooth::mesh::SimplicialComplex;
+    /// use morsmooth::morse::{Selection, Threshold};
+    /// use morsmooth::smooth::{Length, SmoothOptions, Smoother, smooth};
+    /// use rayon::prelude::*;
+    /// let n = 40u32;
+    /// let points = (0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+    /// let line = SimplicialComplex::new(1, points, (0..n - 1).flat_map(|i| [i, i + 1]).collect())?;
+    /// let wanted = Selection::Threshold(Threshold::Fraction(0.5));
+    /// let options = SmoothOptions { length: Length::Absolute(2.0), ..SmoothOptions::new(wanted) };
+    /// let step = |t: u32| -> Vec<f64> { (0..n).map(|i| (f64::from(i) / 5.0 + f64::from(t)).sin()).collect() };
+    /// let analysis = Smoother::analysis(&line, 2)?;
+    /// let together = (0..3u32).into_par_iter().map(|t| {
+    ///     Smoother::with_analysis(&line, &analysis)?.smooth(&step(t), &options, &mut |_| {})
+    /// });
+    /// let together = together.collect::<Result<Vec<_>, _>>()?;
+    /// assert_eq!(together[2].values, smooth(&line, &step(2), &options, &mut |_| {})?.values);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn analysis(complex: &SimplicialComplex, order: usize) -> Result<FitAnalysis, SmoothError> {
+        check_mesh(complex, order)?;
+        FitAnalysis::new(complex, order).map_err(|error| match error {
+            AnalysisError::Operator(error) => error.into(),
+            AnalysisError::Solver(error) => error.into(),
+        })
+    }
+
+    /// A smoother on an analysis that it shares with others, with a factor of its own.
+    ///
+    /// # Arguments
+    /// * `complex`: the mesh that was analysed, or an equal one.
+    ///
+    /// # Returns
+    /// A smoother whose results have the same bits as those of [`Smoother::new`].
+    ///
+    /// # Errors
+    /// [`SmoothError::OptionLength`] if the mesh has another number of vertices than the one analysed.
+    ///
+    /// # Cost
+    /// Memory for one factor; no arithmetic.
+    pub fn with_analysis(complex: &'a SimplicialComplex, analysis: &'a FitAnalysis) -> Result<Self, SmoothError> {
+        if analysis.vertices() != complex.vertex_count() {
+            return Err(SmoothError::OptionLength { option: "analysis", expected: complex.vertex_count(), found: analysis.vertices() });
+        }
+        Ok(Self { fitter: analysis.fitter(complex), order: analysis.order(), timing: Timing::default() })
     }
 
     /// Smooths one field, as [`smooth`](super::smooth) does.
@@ -180,4 +234,14 @@ impl<'a> Smoother<'a> {
         }
         Ok(Shared { data, unit, weights, length, unconstrained, before, data_range, selected_on: Arc::new(selected_on), timing })
     }
+}
+
+fn check_mesh(complex: &SimplicialComplex, order: usize) -> Result<(), SmoothError> {
+    if complex.simplex_count() == 0 {
+        return Err(SmoothError::Empty { vertices: complex.vertex_count(), simplices: 0 });
+    }
+    if !(1..=4).contains(&order) {
+        return Err(SmoothError::OptionRange { option: "order", found: order as f64, expected: "1, 2, 3 or 4" });
+    }
+    Ok(())
 }

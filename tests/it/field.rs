@@ -1,6 +1,6 @@
 //! The vertex order against a plain sort: ties, both zeros, far and close values, any number of threads.
 
-use morsmooth::field::{FieldError, VertexId, VertexOrder};
+use morsmooth::field::{FieldError, Precision, VertexId, VertexOrder};
 use proptest::prelude::*;
 
 fn assert_sorted(values: &[f64]) {
@@ -73,4 +73,13 @@ proptest! {
     fn any_finite_values_are_sorted(values in prop::collection::vec(any::<f64>().prop_filter("finite", |v| v.is_finite()), 0..200)) {
         assert_sorted(&values);
     }
+}
+
+#[test]
+fn numbers_are_rounded_to_their_width() {
+    let third = 1.0 / 3.0;
+    assert_eq!(Precision::F64.round(third), third);
+    assert_eq!(Precision::F32.round(third), f64::from(third as f32));
+    assert!(Precision::F32.round(third) != third && Precision::F32.round(0.25) == 0.25);
+    assert_eq!(Precision::default(), Precision::F64);
 }

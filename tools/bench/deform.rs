@@ -11,6 +11,8 @@
 
 #[path = "clock.rs"]
 mod clock;
+#[path = "conic.rs"]
+mod conic;
 #[allow(dead_code)]
 #[path = "scenes.rs"]
 mod scenes;

@@ -12,6 +12,8 @@
 
 #[path = "clock.rs"]
 mod clock;
+#[path = "conic.rs"]
+mod conic;
 #[path = "peer.rs"]
 mod peer;
 #[path = "problems.rs"]

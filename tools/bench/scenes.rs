@@ -130,19 +130,25 @@ pub fn solid(cells: [usize; 3], step: f64, inside: impl Fn([f64; 3]) -> bool) ->
     SimplicialComplex::new(3, points, simplices).unwrap()
 }
 
+/// Half the height of the ring and depth of the caps by which the ball is held, and the depth of the ring.
+const LAYER: f64 = 0.035;
+const RIM: f64 = 0.044;
+
 /// A voxel ball of diameter 1, `cells` cubes across, whose equator is drawn in to 30 % of its radius.
 pub fn ball(cells: usize) -> Scene {
     let step = 1.0 / cells as f64;
     let radius = |p: [f64; 3]| (p[0] - 0.5).hypot(p[1] - 0.5).hypot(p[2] - 0.5);
     let complex = solid([cells; 3], step, |p| radius(p) <= 0.5);
+    // The same parts of the ball are held at every resolution, at least one layer of vertices.
+    let (layer, rim) = ((0.6 * step).max(LAYER), (0.75 * step).max(RIM));
     let (mut handles, mut targets) = (Vec::new(), Vec::new());
     for (vertex, &p) in complex.points().iter().enumerate() {
         let axis = (p[0] - 0.5).hypot(p[1] - 0.5);
         let height = (p[2] - 0.5).abs();
-        if height <= 0.6 * step && axis >= 0.5 - 0.75 * step {
+        if height <= layer && axis >= 0.5 - rim {
             handles.push(vertex.into());
             targets.push([0.5 + 0.3 * (p[0] - 0.5), 0.5 + 0.3 * (p[1] - 0.5), p[2]]);
-        } else if height >= 0.5 - 0.6 * step {
+        } else if height >= 0.5 - layer {
             handles.push(vertex.into());
             targets.push(p);
         }

@@ -1,12 +1,11 @@
 //! The same planar deformation in the crate `clarabel`: a positive semi-definite 2 x 2 matrix is a second-order cone.
 
-use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SecondOrderConeT, SupportedConeT, ZeroConeT};
-use morsmooth::linalg::CsrMatrix;
-use morsmooth::qp::{Cone, Problem, Term};
+use morsmooth::qp::{Cone, Problem};
 use std::time::Instant;
 
 use crate::clock::processor_seconds;
+use super::conic::{Rows, columns_of, quadratic};
 
 /// Tolerances that are tried in turn until the energy is right; the first is the default.
 const TOLERANCES: [f64; 3] = [1e-8, 1e-10, 1e-12];
@@ -29,48 +28,24 @@ pub fn clarabel(problem: &Problem, reference: &[f64], unknowns: Unknowns, energy
     if problem.constraints.cones.iter().any(|cone| !matches!(cone, Cone::Psd2(_))) {
         return serde_json::json!("only planar scenes: the crate's matrix cones want LAPACK");
     }
-    let mut triplets = Vec::new();
-    for term in &problem.objective.terms {
-        match term {
-            Term::Diagonal(diagonal) => triplets.extend(diagonal.iter().enumerate().map(|(i, &d)| (i as u32, i as u32, d))),
-            Term::Matrix(matrix) | Term::Chain { stiffness: matrix, .. } => {
-                for row in 0..n {
-                    let (columns, values) = matrix.row(row);
-                    triplets.extend(columns.iter().zip(values).map(|(&column, &value)| (row as u32, column, value)));
-                }
-            }
-        }
-    }
-    let quadratic = CsrMatrix::from_triplets(n, n, &triplets).unwrap();
-    let (mut rows, mut right) = (Vec::new(), Vec::new());
-    for (unknown, value) in problem.fixed.iter().enumerate() {
-        if let Some(value) = value {
-            rows.push((right.len() as u32, unknown as u32, 1.0));
-            right.push(*value);
-        }
-    }
-    let equalities = right.len();
+    let quadratic = quadratic(problem);
+    let mut rows = Rows::of_fixed(problem);
     let blocks = problem.constraints.offset.len() / 3;
     for block in 0..blocks {
         // (s11 + s22, s11 - s22, 2 s21) of the rows (s11, √2 s21, s22).
         for parts in [[(0, 1.0), (2, 1.0)].as_slice(), &[(0, 1.0), (2, -1.0)], &[(1, 2f64.sqrt())]] {
-            let mut offset = 0.0;
-            for &(part, factor) in parts {
-                let row = 3 * block + part;
-                let (columns, values) = problem.constraints.matrix.row(row);
-                rows.extend(columns.iter().zip(values).map(|(&column, &value)| (right.len() as u32, column, -factor * value)));
-                offset += factor * problem.constraints.offset[row];
-            }
-            right.push(offset);
+            let parts: Vec<(usize, f64)> = parts.iter().map(|&(part, factor)| (3 * block + part, factor)).collect();
+            rows.push(problem, &parts);
         }
     }
-    let matrix = CsrMatrix::from_triplets(right.len(), n, &rows).unwrap();
+    let matrix = rows.matrix(n);
+    let mut right = rows.right;
     let mut linear = problem.objective.linear.clone();
     let shift = if unknowns == Unknowns::Positions { reference.to_vec() } else { vec![0.0; n] };
     // d = x - reference in  1/2 dᵀ P d + qᵀ d  and in  -A d + s = b.
     linear.iter_mut().zip(quadratic.multiply(&shift)).for_each(|(slot, part)| *slot -= part);
     right.iter_mut().zip(matrix.multiply(&shift)).for_each(|(slot, part)| *slot += part);
-    let mut cones: Vec<SupportedConeT<f64>> = vec![ZeroConeT(equalities)];
+    let mut cones: Vec<SupportedConeT<f64>> = vec![ZeroConeT(rows.equalities)];
     cones.extend((0..blocks).map(|_| SecondOrderConeT(3)));
     let (quadratic, matrix) = (columns_of(&quadratic, true), columns_of(&matrix, false));
     let mut last = serde_json::Value::Null;
@@ -102,20 +77,4 @@ pub fn clarabel(problem: &Problem, reference: &[f64], unknowns: Unknowns, energy
         }
     }
     last
-}
-
-fn columns_of(matrix: &CsrMatrix, upper: bool) -> CscMatrix<f64> {
-    let by_columns = matrix.transpose();
-    let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
-    for column in 0..by_columns.rows() {
-        let (rows, entries) = by_columns.row(column);
-        for (&row, &value) in rows.iter().zip(entries) {
-            if !upper || row as usize <= column {
-                indices.push(row as usize);
-                values.push(value);
-            }
-        }
-        starts.push(indices.len());
-    }
-    CscMatrix::new(matrix.rows(), matrix.columns(), starts, indices, values)
 }

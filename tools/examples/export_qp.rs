@@ -22,10 +22,10 @@ use std::collections::HashMap;
 use std::error::Error;
 use std::path::Path;
 
-use morsmooth::field::VertexOrder;
+use morsmooth::field::{Precision, VertexOrder};
 use morsmooth::io::{ArrayData, MaskSources, domain, mask, read};
 use morsmooth::monotone::{
-    EdgeSet, EnergyWeights, Fitter, MonotoneConstraints, MonotonicityGraph, Operators, Precision, ValueRule, levels,
+    EdgeSet, EnergyWeights, Fitter, MonotoneConstraints, MonotonicityGraph, Operators, ValueRule, levels,
     representative,
 };
 use morsmooth::morse::{Selection, Threshold};

@@ -6,29 +6,30 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use morsmooth::io::{read_keys, write_collection};
+use morsmooth::io::{PendingFile, read_keys, write_collection};
 use morsmooth::mesh::Pose;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::Outcome;
 use crate::args::TalkArgs;
-use crate::deform::{Ending, facts, method_name, pose_facts};
+use crate::deform::{Ending, facts, method_name, photograph, pose_facts};
 use crate::failure::Failure;
 use crate::output::{check_output, is_same_place};
 use crate::posed::{PoseArgs, Session, Verdict};
 use crate::report::{command_line, write_report};
 use crate::shape::{Rig, RigArgs, Shape, is_png};
-use crate::shape_file::{Written, write_and_audit};
+use crate::shape_file::{Written, write_and_audit, write_warped};
 use crate::talk::Talk;
 
 /// `morsmooth animate`.
 #[derive(Debug, Args)]
 pub struct AnimateArgs {
-    /// Mesh of triangles in a plane z = constant or of tetrahedra, an outline (.csv), or a photograph (.png), of which the mesh is animated.
+    /// Mesh of triangles in a plane z = constant or of tetrahedra, an outline (.csv), or a photograph (.png).
     pub mesh: PathBuf,
 
-    /// Collection to write (.pvd); its frames OUT_0000.vtu, OUT_0001.vtu ... lie beside it.
+    /// Collection to write (.pvd); its frames OUT_0000.vtu, OUT_0001.vtu ... lie beside it. Of a photograph every frame has a picture
+    /// OUT_0000.png as well.
     pub output: PathBuf,
 
     /// Handles and weights.
@@ -43,6 +44,11 @@ pub struct AnimateArgs {
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
 
+    /// Photograph that is warped with the mesh, whose coordinates are its pixels from the lower left corner; the pictures of the frames are
+    /// OUT_0000.png, OUT_0001.png ...
+    #[arg(long, value_name = "FILE.png")]
+    pub image: Option<PathBuf>,
+
     /// How the shape is found.
     #[command(flatten)]
     pub how: PoseArgs,
@@ -56,6 +62,7 @@ pub struct AnimateArgs {
 struct Frame {
     time: f64,
     written: Written,
+    picture: Option<PendingFile>,
     ending: Ending,
     told: Value,
     warning: Option<String>,
@@ -72,9 +79,11 @@ pub fn run(args: &AnimateArgs) -> Result<Outcome, Failure> {
     talk.stage("weights");
     let rig = Rig::load(&shape, &args.rig)?;
     let keys = read_keys(&args.keys, &rig.set, shape.complex()).map_err(|error| Failure::usage(error.to_string()))?;
-    let names = frame_names(&args.output, args.frames as usize);
-    let inputs = [Some(&args.mesh), Some(&args.keys), args.rig.handles.as_ref(), args.rig.weights.as_ref()];
-    for name in &names {
+    let photograph = photograph(args.image.as_deref(), &shape)?;
+    let names = frame_names(&args.output, args.frames as usize, "vtu");
+    let pictures = photograph.as_ref().map(|_| frame_names(&args.output, names.len(), "png"));
+    let inputs = [Some(&args.mesh), Some(&args.keys), args.rig.handles.as_ref(), args.rig.weights.as_ref(), args.image.as_ref()];
+    for name in names.iter().chain(pictures.iter().flatten()) {
         if let Some(input) = inputs.into_iter().flatten().find(|input| is_same_place(input, name)) {
             return Err(Failure::file(name, format!("the frame would overwrite {}; expected another output", input.display())));
         }
@@ -91,16 +100,22 @@ pub fn run(args: &AnimateArgs) -> Result<Outcome, Failure> {
                 let posed = session.pose(&pose_at(&keys, time), &mut |_, _| {})?;
                 let written = write_and_audit(&names[index], &shape, &posed, session.folded())?;
                 let ending = Ending::of(&posed, &written.audit, &args.how);
+                let target = pictures.as_ref().map(|pictures| &pictures[index]);
+                let picture = photograph.as_ref().zip(target).map(|(photograph, target)| write_warped(target, photograph, &shape, &posed));
+                let picture = picture.transpose()?;
                 let mut told = pose_facts(&shape, &rig, &posed, &written.audit);
                 told["time"] = json!(time);
                 told["file"] = json!(names[index]);
+                if let Some(target) = target {
+                    told["picture"] = json!(target);
+                }
                 told["written"] = json!(ending.is_kept);
                 let warning = match &posed.verdict {
                     Verdict::Good => None,
                     Verdict::Warned(text) => Some(text.clone()),
                     Verdict::Contradiction(blame, _) => Some(blame.to_string()),
                 };
-                Ok(Frame { time, written, ending, told, warning })
+                Ok(Frame { time, written, picture, ending, told, warning })
             },
         )
         .collect();
@@ -139,7 +154,15 @@ pub fn run(args: &AnimateArgs) -> Result<Outcome, Failure> {
         for (what, text) in [
             ("mesh", format!("{} vertices, {} elements", complex.vertex_count(), complex.simplex_count())),
             ("handles", format!("{}, weights: {}", rig.held.names.len(), rig.source)),
-            ("frames", format!("{} from {} keys, {seconds:.2} s", names.len(), keys.len())),
+            (
+                "frames",
+                format!(
+                    "{} from {} keys{}, {seconds:.2} s",
+                    names.len(),
+                    keys.len(),
+                    if pictures.is_some() { ", each with a picture" } else { "" }
+                ),
+            ),
             ("audit", verdict),
             ("output", output),
         ] {
@@ -151,7 +174,7 @@ pub fn run(args: &AnimateArgs) -> Result<Outcome, Failure> {
 
 fn check(args: &AnimateArgs) -> Result<(), Failure> {
     let mut inputs: Vec<&Path> = vec![&args.keys];
-    inputs.extend([&args.rig.handles, &args.rig.weights].into_iter().flatten().map(PathBuf::as_path));
+    inputs.extend([&args.rig.handles, &args.rig.weights, &args.image].into_iter().flatten().map(PathBuf::as_path));
     check_output(&args.mesh, &args.output, args.talk.report.as_deref(), &inputs)?;
     let is_collection = args.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pvd"));
     if !is_collection {
@@ -173,17 +196,19 @@ fn commit(args: &AnimateArgs, frames: Vec<Frame>, names: &[PathBuf]) -> Result<(
         .collect();
     let collection = write_collection(&args.output, &entries).map_err(|error| fail(&error))?;
     for frame in frames {
-        frame.written.pending.commit().map_err(|error| fail(&error))?;
+        for file in std::iter::once(frame.written.pending).chain(frame.picture) {
+            file.commit().map_err(|error| fail(&error))?;
+        }
     }
     collection.commit().map_err(|error| fail(&error))
 }
 
-fn frame_names(output: &Path, frames: usize) -> Vec<PathBuf> {
+fn frame_names(output: &Path, frames: usize, extension: &str) -> Vec<PathBuf> {
     let digits = frames.saturating_sub(1).to_string().len().max(4);
     let stem = output.file_stem().map(OsString::from).unwrap_or_default();
     let name = |index: usize| {
         let mut name = stem.clone();
-        name.push(format!("_{index:0digits$}.vtu"));
+        name.push(format!("_{index:0digits$}.{extension}"));
         output.with_file_name(name)
     };
     (0..frames).map(name).collect()

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use morsmooth::interpolate::{Guide, Method};
 use morsmooth::mesh::{OutlineOptions, Size};
+use morsmooth::smooth::Length;
 
 /// Smooth scalar fields with exactly the wanted minima and maxima.
 #[derive(Debug, Parser)]
@@ -39,7 +41,7 @@ pub enum Command {
     /// Exit codes: 0 if the arrays written were read back, and the smooth one has exactly the wanted extrema; 1 if it has not; 2 for a
     /// wrong command line or input.
     Geodesic(Box<crate::geodesic::GeodesicArgs>),
-    /// Show what a file holds: data set, arrays, domain, what is wrong with it.
+    /// Show what a file holds: data set, arrays, domain, what is wrong with it. Of a list (.vtm .pvd), all that it names.
     Info(InfoArgs),
     /// Count the extrema of a field, list their persistence, and show what thresholds would leave.
     Extrema(ExtremaArgs),
@@ -48,6 +50,12 @@ pub enum Command {
     /// Exit codes: 0 if the file written was read back and has exactly the wanted extrema; 1 if it has not (then nothing
     /// is written without --keep-unaudited); 2 for a wrong command line or input. They say nothing of optimality: a solver
     /// that stops before the asked gap gives a line 'warning:' on standard error, even with --quiet.
+    ///
+    /// Of several data sets (a .pvd, a .vtm, or a pattern in quotes such as 'step_*.vti') every one is smoothed on its own, as many
+    /// at once as there are threads, and written beside OUT as OUT_0000 and so on; OUT lists them, times and names of blocks kept.
+    /// A run that was interrupted goes on where it was: OUT.pvd.jsonl tells which steps are finished, of which input and with
+    /// which settings. Exit codes then: 2 if a step could not be read or smoothed (the others are written, and the list names them), else
+    /// 1 if a step failed the audit, else 0. Seams between blocks are not bridged: each block has its own extrema.
     Smooth(Box<SmoothArgs>),
     /// Write the field itself with exactly the wanted minima and maxima: topological simplification, nothing is smoothed.
     Simplify(Box<crate::simplify::SimplifyArgs>),
@@ -91,6 +99,8 @@ pub enum Command {
     /// said. 'morsmooth deform' promises none.
     Pose(crate::pose::PoseArgs),
     /// Write a data set in another format, with a warning for everything that the format cannot hold.
+    ///
+    /// A list (.vtm .pvd, or a pattern in quotes) becomes a list: every data set is written beside OUT as OUT_0000 and so on.
     Convert(ConvertArgs),
     /// Write skinning weights: a function a handle, 1 on its own vertices and 0 on those of the others.
     ///
@@ -104,6 +114,8 @@ pub enum Command {
 #[derive(Debug, Clone, Args)]
 pub struct FieldArgs {
     /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
+    ///
+    /// FILE.vtm/NAME or FILE.pvd/NUMBER is one data set of a list; 'morsmooth info FILE.vtm' names them.
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several.
@@ -125,6 +137,8 @@ pub struct FieldArgs {
 #[derive(Debug, Clone, Args)]
 pub struct FieldsArgs {
     /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
+    ///
+    /// FILE.vtm/NAME or FILE.pvd/NUMBER is one data set of a list; 'morsmooth info FILE.vtm' names them.
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several. May be given several times, or as a list a,b,c: each
@@ -264,6 +278,30 @@ pub struct SelectionArgs {
     pub keep: Option<PathBuf>,
 }
 
+/// How far noise is averaged away.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct LengthArgs {
+    /// Smoothing length as a part of the diagonal of the bounding box, of a series that of its axis: 2% or 0.02. Chosen from the noise
+    /// by default.
+    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs", allow_hyphen_values = true)]
+    pub length: Option<f64>,
+
+    /// Smoothing length in the units of the points, of dates in days.
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    pub length_abs: Option<f64>,
+}
+
+impl LengthArgs {
+    /// As the library takes it.
+    pub fn length(&self) -> Length {
+        match (self.length, self.length_abs) {
+            (Some(fraction), _) => Length::OfDiagonal(fraction),
+            (None, Some(length)) => Length::Absolute(length),
+            (None, None) => Length::Automatic,
+        }
+    }
+}
+
 /// `morsmooth smooth`.
 #[derive(Debug, Args)]
 pub struct SmoothArgs {
@@ -302,13 +340,9 @@ pub struct SmoothArgs {
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
     pub order: u8,
 
-    /// Smoothing length as a part of the diagonal of the bounding box: 2% or 0.02. Chosen from the noise by default.
-    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs", allow_hyphen_values = true)]
-    pub length: Option<f64>,
-
-    /// Smoothing length in the units of the points.
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
-    pub length_abs: Option<f64>,
+    /// How far noise is averaged away.
+    #[command(flatten)]
+    pub length: LengthArgs,
 
     /// Point array with the confidence in each value, 0 or more.
     #[arg(long, value_name = "NAME")]
@@ -422,7 +456,54 @@ pub enum KeepAlsoKind {
     Both,
 }
 
-/// Values of `--representative`.
+/// How a function is found whose values are given at some vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MethodKind {
+    /// Least Dirichlet energy, whatever the order.
+    Harmonic,
+    /// Least energy of the order, no other constraint.
+    Polyharmonic,
+    /// Least energy within the range of the given values; of order 2, bounded biharmonic weights.
+    Bounded,
+    /// Least energy without an extremum but at given values.
+    Monotone,
+}
+
+impl MethodKind {
+    /// As the library has it.
+    pub fn method(self) -> Method {
+        match self {
+            Self::Harmonic => Method::Harmonic,
+            Self::Polyharmonic => Method::Polyharmonic,
+            Self::Bounded => Method::Bounded,
+            Self::Monotone => Method::Monotone,
+        }
+    }
+}
+
+/// Values of `--representative` where there are no data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GuideKind {
+    /// For orders 1 and 2 the polyharmonic function, simplified; for 3 and 4 both, and what has less energy.
+    Automatic,
+    /// The polyharmonic function, simplified.
+    SmoothThenSimplify,
+    /// The harmonic function.
+    Harmonic,
+}
+
+impl GuideKind {
+    /// As the library has it.
+    pub fn guide(self) -> Guide {
+        match self {
+            Self::Automatic => Guide::Automatic,
+            Self::SmoothThenSimplify => Guide::SmoothThenSimplify,
+            Self::Harmonic => Guide::Harmonic,
+        }
+    }
+}
+
+/// Values of `--representative` of `smooth`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum StrategyKind {
     /// The smooth field, simplified.

@@ -109,32 +109,18 @@ fn vertex(path: &Path, (place, spot): (&str, &Spot), input: &FieldInput, locator
 }
 
 fn entries(path: &Path, kind: ExtremumKind) -> Result<Vec<Entry>, Failure> {
-    let bytes = std::fs::read(path).map_err(|error| Failure::file(path, format!("cannot be read: {error}")))?;
     match path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
-        true => json_entries(path, &bytes, kind),
-        false => table_entries(path, &bytes),
+        true => json_entries(path, kind),
+        false => table_entries(path),
     }
 }
 
 /// Rows: `point`, `point, value`, `x, y, value` or `x, y, z, value`; or columns by name.
-fn table_entries(path: &Path, bytes: &[u8]) -> Result<Vec<Entry>, Failure> {
+fn table_entries(path: &Path) -> Result<Vec<Entry>, Failure> {
     let told = |error: morsmooth::io::IoError| Failure::usage(error.to_string());
-    // Lists of numbers are often separated by blanks.
-    let text = String::from_utf8_lossy(bytes);
-    let is_row = |line: &&str| !line.trim_start().starts_with('#');
-    let has_blanks_only = !text.lines().filter(is_row).any(|line| line.contains([',', ';', '\t']));
-    let separated = |line: &str| match line.trim_start().starts_with('#') {
-        true => line.to_owned(),
-        false => line.split_whitespace().collect::<Vec<_>>().join("\t"),
-    };
-    let table = match has_blanks_only {
-        true => Table::parse(path, text.lines().map(separated).collect::<Vec<_>>().join("\n").as_bytes()),
-        false => Table::parse(path, bytes),
-    }
-    .map_err(told)?;
+    let table = Table::read_list(path).map_err(told)?;
     let named = |names: &[&str]| (0..table.width()).find(|&column| names.iter().any(|name| table.names()[column].eq_ignore_ascii_case(name)));
-    let has_names = table.column("column_1").is_none();
-    let (point, position, value) = match (has_names, table.width()) {
+    let (point, position, value) = match (table.has_header(), table.width()) {
         (true, _) => {
             let position: Vec<usize> = ["x", "y", "z"].iter().filter_map(|name| named(&[name])).collect();
             (named(&["point", "vertex", "id"]), position, named(&["value"]))
@@ -203,8 +189,9 @@ fn interval(low: f64, high: f64) -> Option<ValueRule> {
 
 /// A list of `{"point": 17, "value": 0.5}`, `{"position": [x, y, z], "value": [0.2, 0.8]}` or plain point numbers; or a report of
 /// `morsmooth`, of which the wanted extrema of the kind count.
-fn json_entries(path: &Path, bytes: &[u8], kind: ExtremumKind) -> Result<Vec<Entry>, Failure> {
-    let root: Value = serde_json::from_slice(bytes).map_err(|error| Failure::file(path, format!("is no JSON: {error}")))?;
+fn json_entries(path: &Path, kind: ExtremumKind) -> Result<Vec<Entry>, Failure> {
+    let bytes = std::fs::read(path).map_err(|error| Failure::file(path, format!("cannot be read: {error}")))?;
+    let root: Value = serde_json::from_slice(&bytes).map_err(|error| Failure::file(path, format!("is no JSON: {error}")))?;
     let key = if kind == ExtremumKind::Minimum { "minima" } else { "maxima" };
     let list = root.as_array().or_else(|| root[key].as_array()).or_else(|| root["wanted"][key].as_array());
     let list = list.ok_or_else(|| Failure::file(path, format!("found no list; expected [...] or {{\"{key}\": [...]}}")))?;

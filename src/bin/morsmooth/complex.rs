@@ -1,17 +1,16 @@
 //! `morsmooth complex`: the Morse–Smale complex in TTK's layout.
 
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use morsmooth::field::VertexOrder;
+use morsmooth::field::{Precision, VertexOrder};
 use morsmooth::io::{
     ArrayData, DataArray, DataSet, MaskSources, Numbering, PendingFile, TtkComplex, TtkError, grid, is_same_file, mask, read,
     write_temporary,
 };
 use morsmooth::mesh::{ImplicitGrid, Mask, Triangulation};
-use morsmooth::monotone::Precision;
 use morsmooth::morse::{
     ExtremumKind, MorseError, MorseHierarchy, MorseSmaleComplex, SaddlePairs, Selection, Threshold, extremum_pairs, range,
     select,
@@ -21,6 +20,7 @@ use crate::Outcome;
 use crate::args::{FieldArgs, TalkArgs, fraction};
 use crate::complex_report::ComplexJob;
 use crate::failure::Failure;
+use crate::ground::Grounds;
 use crate::input::{FieldInput, choose};
 use crate::output::{check_directory, check_report};
 use crate::report::write_report;
@@ -95,7 +95,7 @@ pub struct Field {
     /// The file.
     pub path: PathBuf,
     /// All of it.
-    pub dataset: Rc<DataSet>,
+    pub dataset: Arc<DataSet>,
     /// The field on the points of the file, in the type and under the name of its array.
     pub scalar: DataArray,
     /// The mask asked for.
@@ -113,7 +113,7 @@ pub fn run(args: &ComplexArgs) -> Result<Outcome, Failure> {
     check_directory(args.plots.as_deref())?;
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
-    let dataset = Rc::new(read(&args.field.input).map_err(|error| Failure::usage(error.to_string()))?);
+    let dataset = Arc::new(read(&args.field.input).map_err(|error| Failure::usage(error.to_string()))?);
     let array = choose(&dataset, &args.field)?;
     let ttk = |error: TtkError| Failure::file(&args.field.input, error);
     if let Some((grid, field)) = whole_grid(args, &dataset, array)? {
@@ -121,16 +121,16 @@ pub fn run(args: &ComplexArgs) -> Result<Outcome, Failure> {
         return work(&Run { args, field: &field, talk: &talk }, &grid, numbering, &|job| match &args.plots {
             // Pictures need the cells.
             Some(directory) => {
-                let input = FieldInput::of_array(&dataset, array, &args.field, None)?;
+                let input = FieldInput::of_array(&dataset, array, &args.field, &Grounds::of_one_file())?;
                 crate::pictures::complex(directory, job, &input.domain.complex, &grid)
             }
             None => Ok(()),
         });
     }
-    let input = FieldInput::of_array(&dataset, array, &args.field, None)?;
+    let input = FieldInput::of_array(&dataset, array, &args.field, &Grounds::of_one_file())?;
     let field = Field {
         path: input.path.clone(),
-        dataset: Rc::clone(&dataset),
+        dataset: Arc::clone(&dataset),
         scalar: scalar(&input),
         mask: input.mask.clone(),
         values: input.values.clone(),
@@ -145,7 +145,7 @@ pub fn run(args: &ComplexArgs) -> Result<Outcome, Failure> {
 }
 
 /// The field on a grid of which nothing is masked, whose cells need not be stored.
-fn whole_grid(args: &ComplexArgs, dataset: &Rc<DataSet>, array: &DataArray) -> Result<Option<(ImplicitGrid, Field)>, Failure> {
+fn whole_grid(args: &ComplexArgs, dataset: &Arc<DataSet>, array: &DataArray) -> Result<Option<(ImplicitGrid, Field)>, Failure> {
     if args.field.derive.is_some() {
         return Ok(None);
     }
@@ -161,7 +161,7 @@ fn whole_grid(args: &ComplexArgs, dataset: &Rc<DataSet>, array: &DataArray) -> R
     Ok(grid.map(|grid| {
         let field = Field {
             path: args.field.input.clone(),
-            dataset: Rc::clone(dataset),
+            dataset: Arc::clone(dataset),
             scalar: array.clone(),
             mask: args.field.mask.clone(),
             values,

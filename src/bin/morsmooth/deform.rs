@@ -18,7 +18,7 @@ use crate::output::{check_directory, check_output, check_target, is_same_place};
 use crate::posed::{MethodKind, PoseArgs, Posed, Session, Verdict};
 use crate::report::{command_line, write_report};
 use crate::shape::{Rig, RigArgs, Shape, is_png};
-use crate::shape_file::{audit_json, audit_line, judge, write_and_audit};
+use crate::shape_file::{audit_json, audit_line, judge, write_and_audit, write_warped};
 use crate::shape_pictures;
 use crate::talk::Talk;
 
@@ -71,7 +71,7 @@ pub fn run(args: &DeformArgs) -> Result<Outcome, Failure> {
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
     let shape = Shape::load(&args.mesh, &args.rig)?;
-    let photograph = photograph(args, &shape)?;
+    let photograph = photograph(args.image.as_deref(), &shape)?;
     shape.domain.notes.iter().for_each(|note| talk.line(&format!("note: {note}")));
     talk.stage("weights");
     let rig = Rig::load(&shape, &args.rig)?;
@@ -94,12 +94,11 @@ pub fn run(args: &DeformArgs) -> Result<Outcome, Failure> {
     };
     let ending = Ending::of(&posed, &audit, &args.how);
     if ending.is_kept {
-        if let Some(photograph) = &photograph {
-            let warped = photograph.warped(shape.complex(), &posed.points).map_err(|error| Failure::file(&args.output, error))?;
-            let target = if is_picture { &args.output } else { args.out_image.as_ref().unwrap_or(&args.output) };
-            warped.write_png(target).map_err(|error| Failure::usage(error.to_string()))?;
+        let target = if is_picture { Some(&args.output) } else { args.out_image.as_ref() };
+        let image = photograph.as_ref().zip(target).map(|(photograph, target)| write_warped(target, photograph, &shape, &posed)).transpose()?;
+        for file in image.into_iter().chain(pending) {
+            file.commit().map_err(|error| Failure::usage(error.to_string()))?;
         }
-        pending.map_or(Ok(()), |pending| pending.commit()).map_err(|error| Failure::usage(error.to_string()))?;
     }
     if let Some(directory) = &args.plots {
         shape_pictures::before_after(directory, &shape, &rig, &posed)?;
@@ -186,8 +185,8 @@ fn check(args: &DeformArgs) -> Result<(), Failure> {
 }
 
 /// The photograph to be warped, if any.
-fn photograph(args: &DeformArgs, shape: &Shape) -> Result<Option<Photograph>, Failure> {
-    if let Some(path) = &args.image {
+pub fn photograph(image: Option<&Path>, shape: &Shape) -> Result<Option<Photograph>, Failure> {
+    if let Some(path) = image {
         if shape.complex().dimension() != 2 {
             return Err(Failure::file(path, "a photograph needs a planar mesh; found tetrahedra"));
         }

@@ -7,19 +7,19 @@ use clap::{Args, ValueEnum};
 use morsmooth::audit::{PlateauReport, audit_plateaus};
 use morsmooth::field::VertexId;
 use morsmooth::interpolate::{Blend, Diffused, InterpolateOptions, Interpolator, diffuse};
-use morsmooth::io::{ArrayData, DataArray, DataSet, Geometry, PendingFile, image_dataset, read, write_temporary};
+use morsmooth::io::{ArrayData, DataArray, DataSet, Geometry, PendingFile, read, write_temporary};
 use morsmooth::plot::{Painting, PixelSize, is_in_gamut, paint, to_bytes};
 use serde_json::{Value, json};
 
 use crate::Outcome;
-use crate::args::{OutlineArgs, TalkArgs};
+use crate::args::{MethodKind, OutlineArgs, TalkArgs};
+use crate::beside::{fitting, write_image};
 use crate::diffuse_colours::{Colour, given, image_colours, parse_colour};
 use crate::failure::Failure;
 use crate::input::FieldInput;
-use crate::interpolate::MethodKind;
 use crate::output::{check_output, check_target, is_same_place};
 use crate::report::{command_line, header, status_name, write_report};
-use crate::shape_input::{domain, fitting, load};
+use crate::shape_input::{domain, load};
 use crate::talk::Talk;
 
 /// `morsmooth diffuse`.
@@ -124,7 +124,7 @@ pub fn run(args: &DiffuseArgs) -> Result<Outcome, Failure> {
             paint(complex, found.channels.each_ref().map(Vec::as_slice), size).map_err(|error| Failure::file(&args.output, error))?
         }
     };
-    let image = write_image(&args.output, &painting)?;
+    let image = write_image(&args.output, (painting.width, painting.height), &painting.rgba)?;
     let (mesh, channels) = match &args.mesh_output {
         Some(path) => {
             let (pending, channels) = write_mesh(path, &input, &found)?;
@@ -224,19 +224,6 @@ fn pixels(input: &FieldInput, found: &Diffused) -> Painting {
         painting.rgba.push(255);
     }
     painting
-}
-
-/// Writes the image and reads it back.
-fn write_image(path: &Path, painting: &Painting) -> Result<PendingFile, Failure> {
-    let told = |error: morsmooth::io::IoError| Failure::usage(error.to_string());
-    let dataset = image_dataset(painting.width, painting.height, &painting.rgba);
-    let pending = write_temporary(path, &dataset).map_err(told)?;
-    // Nothing is judged but what is in the file.
-    let written = read(pending.path()).map_err(told)?;
-    if written.point_data.arrays != dataset.point_data.arrays {
-        return Err(Failure::file(path, "the image read back differs from the one written; expected the same pixels"));
-    }
-    Ok(pending)
 }
 
 /// Writes the channels and the colours in bytes; the channels as the file has them.

@@ -27,6 +27,12 @@ impl Failure {
         self
     }
 
+    /// In a line.
+    pub fn text(&self) -> String {
+        let hints: Vec<String> = self.hints.iter().map(|hint| format!(" (hint: {hint})")).collect();
+        format!("{}{}", self.message, hints.concat())
+    }
+
     /// Prints to standard error; a closed pipe is not an error.
     pub fn print(&self) {
         let mut stderr = std::io::stderr().lock();

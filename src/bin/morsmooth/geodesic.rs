@@ -1,14 +1,14 @@
 //! `morsmooth geodesic`: distances along a mesh, and a smooth field with their maxima.
 
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use morsmooth::audit::{AuditReport, Plateaus};
-use morsmooth::geodesic::{ExactGeodesic, GeodesicError, HeatGeodesic, HeatOptions, SurfacePoint};
+use morsmooth::geodesic::{ExactGeodesic, GeodesicError, HeatGeodesic, HeatOptions};
 use morsmooth::io::{
-    ArrayData, DataArray, DataSet, GeometryKind, MaskSources, PendingFile, domain, mask, read, reshape, write_temporary,
+    ArrayData, DataArray, DataSet, MaskSources, PendingFile, domain, mask, read, write_temporary,
 };
 use morsmooth::mesh::{Domain, check};
 use morsmooth::operators::OperatorError;
@@ -17,7 +17,9 @@ use morsmooth::smooth::{Length, MeasuredField, SmoothOptions, Smoothed, Smoother
 
 use crate::Outcome;
 use crate::args::{FieldArgs, TalkArgs, fraction};
+use crate::beside::{fitting, read_back};
 use crate::failure::Failure;
+use crate::ground::Grounds;
 use crate::geodesic_report::GeodesicJob;
 use crate::geodesic_sources::{SourceArgs, Sources};
 use crate::input::FieldInput;
@@ -43,6 +45,11 @@ pub struct GeodesicArgs {
     /// Where distances start.
     #[command(flatten)]
     pub sources: SourceArgs,
+
+    /// Write an array for each source, geodesic_distance_0, geodesic_distance_1 ..., in the place of the distance from the nearest: --source,
+    /// then --source-point, as they are given, then the curve.
+    #[arg(long, conflicts_with = "smooth")]
+    pub each: bool,
 
     /// How distances are found.
     #[arg(long, value_enum, default_value_t = MethodKind::Exact)]
@@ -98,6 +105,23 @@ pub enum MethodKind {
     Heat,
 }
 
+/// Distances of all vertices.
+pub struct Distance {
+    /// Name of the array.
+    pub array: String,
+    /// The source in words, if it is one of several by itself.
+    pub source: Option<String>,
+    /// One a vertex, infinite where no path arrives.
+    pub values: Vec<f64>,
+}
+
+impl Distance {
+    /// Vertices that no path reaches.
+    pub fn unreached(&self) -> usize {
+        self.values.iter().filter(|distance| distance.is_infinite()).count()
+    }
+}
+
 /// Runs the command.
 pub fn run(args: &GeodesicArgs) -> Result<Outcome, Failure> {
     let begin = Instant::now();
@@ -107,11 +131,7 @@ pub fn run(args: &GeodesicArgs) -> Result<Outcome, Failure> {
     let talk = Talk::new(args.talk.quiet);
     talk.stage("reading");
     let dataset = read(&args.input).map_err(|error| Failure::usage(error.to_string()))?;
-    let extension = args.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let mut dataset = match GeometryKind::of_extension(extension) {
-        Some(kind) => reshape(dataset, kind).map_err(|error| Failure::file(&args.output, error))?,
-        None => dataset,
-    };
+    let mut dataset = fitting(dataset, &args.output)?;
     let holes = MaskSources { array: args.mask.clone(), ..MaskSources::default() };
     let kept = mask(&dataset, &holes).map_err(|error| Failure::file(&args.input, error))?;
     let domain = domain(&dataset, &kept).map_err(|error| Failure::file(&args.input, error))?;
@@ -121,17 +141,19 @@ pub fn run(args: &GeodesicArgs) -> Result<Outcome, Failure> {
 
     talk.stage("distances");
     let clock = Instant::now();
-    let distances = distances(args, &domain, &sources.points)?;
+    let distances = distances(args, &domain, &sources)?;
     let distance_seconds = clock.elapsed().as_secs_f64();
-    let unreached = check_reached(args, &domain, &distances)?;
-    dataset.set_point_array(array(&domain, &distances));
+    for distance in &distances {
+        check_reached(args, &domain, distance)?;
+        dataset.set_point_array(array(&domain, distance));
+    }
 
     let mut job = GeodesicJob {
-        args, sources: &sources, domain: &domain, distances: &distances, unreached, distance_seconds,
+        args, sources: &sources, domain: &domain, distances: &distances, distance_seconds,
         smoothed: None, audit: None, seconds: 0.0,
     };
     let (pending, outcome) = if args.smooth {
-        let input = field(args, dataset)?;
+        let input = field(args, dataset, DISTANCE)?;
         let smoothed = smooth(args, &input, &domain, &sources, &talk)?;
         talk.stage("writing, and audit of the file as written");
         let produced = Produced {
@@ -154,9 +176,13 @@ pub fn run(args: &GeodesicArgs) -> Result<Outcome, Failure> {
     } else {
         talk.stage("writing");
         if let Some(directory) = &args.plots {
-            crate::pictures::distance(directory, &field(args, dataset.clone())?)?;
+            for Distance { array, .. } in &distances {
+                let name = if args.each { array.as_str() } else { "distance" };
+                crate::pictures::distance(directory, name, &field(args, dataset.clone(), array)?)?;
+            }
         }
-        (write(&args.output, &dataset)?, Outcome::Done)
+        let names: Vec<&str> = distances.iter().map(|distance| distance.array.as_str()).collect();
+        (write(&args.output, &dataset, &names)?, Outcome::Done)
     };
     job.seconds = begin.elapsed().as_secs_f64();
     if outcome == Outcome::Done || args.keep_unaudited {
@@ -172,15 +198,21 @@ pub fn run(args: &GeodesicArgs) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
-fn distances(args: &GeodesicArgs, domain: &Domain, sources: &[SurfacePoint]) -> Result<Vec<f64>, Failure> {
+/// The distance from all sources, or from each.
+fn distances(args: &GeodesicArgs, domain: &Domain, sources: &Sources) -> Result<Vec<Distance>, Failure> {
     let complex = &domain.complex;
+    let sets = if args.each { sources.each() } else { vec![sources.points.clone()] };
     let result = match args.method {
-        MethodKind::Exact => ExactGeodesic::new(complex).and_then(|exact| exact.distances(sources)),
-        MethodKind::Heat => {
-            HeatGeodesic::new(complex, HeatOptions { time: args.heat_time }).and_then(|mut heat| heat.distances(sources))
-        }
+        MethodKind::Exact => ExactGeodesic::new(complex).and_then(|exact| exact.distances_each(&sets)),
+        MethodKind::Heat => HeatGeodesic::new(complex, HeatOptions { time: args.heat_time })
+            .and_then(|mut heat| sets.iter().map(|set| heat.distances(set)).collect::<Result<Vec<_>, _>>()),
     };
-    result.map_err(|error| failure(args, domain, &error))
+    let found = result.map_err(|error| failure(args, domain, &error))?;
+    let named = |(number, values): (usize, Vec<f64>)| match args.each {
+        true => Distance { array: format!("{DISTANCE}_{number}"), source: Some(sources.given[number].0.clone()), values },
+        false => Distance { array: DISTANCE.to_owned(), source: None, values },
+    };
+    Ok(found.into_iter().enumerate().map(named).collect())
 }
 
 /// An error of the library as one about the file, vertices translated to points.
@@ -209,37 +241,41 @@ fn failure(args: &GeodesicArgs, domain: &Domain, error: &GeodesicError) -> Failu
     }
 }
 
-/// How many vertices no path reaches.
-fn check_reached(args: &GeodesicArgs, domain: &Domain, distances: &[f64]) -> Result<usize, Failure> {
-    let unreached = distances.iter().filter(|distance| distance.is_infinite()).count();
+/// Refuses vertices that no path reaches, unless they are allowed.
+fn check_reached(args: &GeodesicArgs, domain: &Domain, distance: &Distance) -> Result<(), Failure> {
+    let (unreached, distances) = (distance.unreached(), &distance.values);
+    let (from, expected) = match &distance.source {
+        Some(source) => (source.as_str(), "one part"),
+        None => ("the sources", "a source in every part"),
+    };
     match distances.iter().position(|distance| distance.is_infinite()) {
         Some(vertex) if !args.allow_unreached => Err(Failure::file(
             &args.input,
             format!(
-                "no path leads from the sources to {unreached} of {} points, first point {}; expected a source in every part",
+                "no path leads from {from} to {unreached} of {} points, first point {}; expected {expected}",
                 distances.len(),
                 domain.point_of_vertex()[vertex]
             ),
         )
         .hint("add a source there, or --allow-unreached to write NaN")),
-        _ => Ok(unreached),
+        _ => Ok(()),
     }
 }
 
 /// The distances as an array of the file: NaN outside of the domain and where no path arrives.
-fn array(domain: &Domain, distances: &[f64]) -> DataArray {
+fn array(domain: &Domain, distance: &Distance) -> DataArray {
     let mut on_points = vec![f64::NAN; domain.point_count()];
-    let finite: Vec<f64> = distances.iter().map(|&distance| if distance.is_finite() { distance } else { f64::NAN }).collect();
+    let finite: Vec<f64> = distance.values.iter().map(|&distance| if distance.is_finite() { distance } else { f64::NAN }).collect();
     domain.extend(&finite, &mut on_points);
-    DataArray::new(DISTANCE, 1, ArrayData::F64(on_points))
+    DataArray::new(distance.array.as_str(), 1, ArrayData::F64(on_points))
 }
 
-/// The distance as a field of the file.
-fn field(args: &GeodesicArgs, dataset: DataSet) -> Result<FieldInput, Failure> {
-    let field = FieldArgs { input: args.input.clone(), array: Some(DISTANCE.to_owned()), mask: args.mask.clone(), derive: None };
-    let dataset = Rc::new(dataset);
+/// A distance as a field of the file.
+fn field(args: &GeodesicArgs, dataset: DataSet, name: &str) -> Result<FieldInput, Failure> {
+    let field = FieldArgs { input: args.input.clone(), array: Some(name.to_owned()), mask: args.mask.clone(), derive: None };
+    let dataset = Arc::new(dataset);
     let array = crate::input::choose(&dataset, &field)?;
-    FieldInput::of_array(&dataset, array, &field, None)
+    FieldInput::of_array(&dataset, array, &field, &Grounds::of_one_file())
 }
 
 fn smooth(args: &GeodesicArgs, input: &FieldInput, domain: &Domain, sources: &Sources, talk: &Talk) -> Result<Smoothed, Failure> {
@@ -266,15 +302,14 @@ fn smooth(args: &GeodesicArgs, input: &FieldInput, domain: &Domain, sources: &So
 }
 
 /// Writes beside the target, and reads the distances back.
-fn write(output: &Path, dataset: &DataSet) -> Result<PendingFile, Failure> {
+fn write(output: &Path, dataset: &DataSet, names: &[&str]) -> Result<PendingFile, Failure> {
     let pending = write_temporary(output, dataset).map_err(|error| Failure::usage(error.to_string()))?;
-    let written = read(pending.path()).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
-    let bits = |dataset: &DataSet| -> Option<Vec<u64>> {
-        dataset.point_array(DISTANCE).map(|array| array.to_f64(0).iter().map(|value| value.to_bits()).collect())
+    let written = read_back(&pending)?;
+    let bits = |dataset: &DataSet, name: &str| -> Option<Vec<u64>> {
+        dataset.point_array(name).map(|array| array.to_f64(0).iter().map(|value| value.to_bits()).collect())
     };
-    if bits(&written) == bits(dataset) {
-        Ok(pending)
-    } else {
-        Err(Failure::file(output, format!("the format has no room for the array {DISTANCE}; expected .vtp, .vtu, .vtk or .ply")))
+    match names.iter().find(|name| bits(&written, name) != bits(dataset, name)) {
+        None => Ok(pending),
+        Some(name) => Err(Failure::file(output, format!("the format has no room for the array {name}; expected .vtp, .vtu, .vtk or .ply"))),
     }
 }

@@ -7,7 +7,7 @@ use morsmooth::mesh::Domain;
 use morsmooth::smooth::Smoothed;
 use serde_json::{Value, json};
 
-use crate::geodesic::{DISTANCE, GeodesicArgs, MethodKind, SMOOTH};
+use crate::geodesic::{Distance, GeodesicArgs, MethodKind, SMOOTH};
 use crate::geodesic_sources::Sources;
 use crate::input::FieldInput;
 use crate::number::short;
@@ -21,10 +21,8 @@ pub struct GeodesicJob<'a> {
     pub sources: &'a Sources,
     /// Where they are.
     pub domain: &'a Domain,
-    /// One a vertex.
-    pub distances: &'a [f64],
-    /// Vertices that no path reaches.
-    pub unreached: usize,
+    /// That from all sources, or from each.
+    pub distances: &'a [Distance],
     /// Time of the distances alone, with the layout or the factors.
     pub distance_seconds: f64,
     /// The field that was smoothed, and the result.
@@ -36,9 +34,9 @@ pub struct GeodesicJob<'a> {
 }
 
 impl GeodesicJob<'_> {
-    /// Vertex and distance of the farthest point.
-    fn farthest(&self) -> (u32, f64) {
-        let finite = self.distances.iter().enumerate().filter(|(_, distance)| distance.is_finite());
+    /// The farthest point and its distance.
+    fn farthest(&self, distance: &Distance) -> (u32, f64) {
+        let finite = distance.values.iter().enumerate().filter(|(_, distance)| distance.is_finite());
         let farthest = finite.fold((0, 0.0), |best, (vertex, &distance)| if distance > best.1 { (vertex, distance) } else { best });
         (self.domain.point_of_vertex()[farthest.0], farthest.1)
     }
@@ -52,12 +50,11 @@ impl GeodesicJob<'_> {
 
     /// Everything measured.
     pub fn to_json(&self) -> Value {
-        let (point, distance) = self.farthest();
+        let arrays: Vec<Value> = self.distances.iter().map(|distance| self.array(distance)).collect();
         let mut report = json!({
             "program": "morsmooth", "version": env!("CARGO_PKG_VERSION"), "command": command_line(),
-            "input": self.args.input, "output": self.args.output, "array": DISTANCE, "method": self.method(),
-            "sources": self.sources.points.len(), "curve_spacing": self.sources.spacing, "vertices": self.distances.len(), "unreached": self.unreached,
-            "farthest": { "point": point, "distance": distance },
+            "input": self.args.input, "output": self.args.output, "arrays": arrays, "method": self.method(),
+            "sources": self.sources.points.len(), "curve_spacing": self.sources.spacing, "vertices": self.domain.complex.vertex_count(),
             "seconds": { "distances": self.distance_seconds, "run": self.seconds },
         });
         if let (Some((input, result)), Some(audit), Some(fields)) = (&self.smoothed, &self.audit, report.as_object_mut()) {
@@ -69,22 +66,30 @@ impl GeodesicJob<'_> {
         report
     }
 
+    fn array(&self, distance: &Distance) -> Value {
+        let (point, farthest) = self.farthest(distance);
+        json!({
+            "array": distance.array, "source": distance.source, "unreached": distance.unreached(),
+            "farthest": { "point": point, "distance": farthest },
+        })
+    }
+
     /// A few lines; a closed pipe is not an error.
     pub fn print_summary(&self) {
         let mut out = std::io::stdout().lock();
-        let (point, distance) = self.farthest();
-        let _ = writeln!(
-            out,
-            "{DISTANCE}: {} from {} source{}, farthest {} at point {point}, {:.3} s",
-            self.method(),
-            self.sources.points.len(),
-            if self.sources.points.len() == 1 { "" } else { "s" },
-            short(distance),
-            self.distance_seconds
-        );
-        if self.unreached > 0 {
-            let _ = writeln!(out, "{} points are not reached: NaN", self.unreached);
+        for distance in self.distances {
+            let (point, farthest) = self.farthest(distance);
+            let from = match (&distance.source, self.sources.points.len()) {
+                (Some(source), _) => source.clone(),
+                (None, 1) => "1 source".to_owned(),
+                (None, count) => format!("{count} sources"),
+            };
+            let _ = writeln!(out, "{}: {} from {from}, farthest {} at point {point}", distance.array, self.method(), short(farthest));
+            if distance.unreached() > 0 {
+                let _ = writeln!(out, "{} points are not reached: NaN", distance.unreached());
+            }
         }
+        let _ = writeln!(out, "distances in {:.3} s", self.distance_seconds);
         if let (Some((_, result)), Some(audit)) = (&self.smoothed, &self.audit) {
             let report = &result.report;
             let _ = writeln!(out, "{SMOOTH}: before {}, after {}", report.before, report.wanted);

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 /// The sources asked for.
 #[derive(Debug, Clone, Args)]
 pub struct SourceArgs {
-    /// Points of the file, by number: 17,92. The distance is that from the nearest of all sources.
+    /// Points of the file, by number: 17,92. The distance is that from the nearest of all sources, unless --each is given.
     #[arg(long, value_name = "POINT", value_delimiter = ',')]
     pub source: Vec<u64>,
 
@@ -37,6 +37,8 @@ pub struct SourceArgs {
 pub struct Sources {
     /// Points of the surface.
     pub points: Vec<SurfacePoint>,
+    /// The sources in words, as they were given, and how many of the points belong to each: one, or the samples of the curve.
+    pub given: Vec<(String, usize)>,
     /// Spacing of samples of a curve, in the units of the mesh; 0 without a curve.
     pub spacing: f64,
     /// What was done to find them.
@@ -50,7 +52,7 @@ impl Sources {
     pub fn resolve(args: &SourceArgs, input: &Path, domain: &Domain) -> Result<Self, Failure> {
         let complex = &domain.complex;
         let diagonal = complex.bounding_box_diagonal();
-        let mut sources = Self { points: Vec::new(), spacing: 0.0, notes: Vec::new(), corners: Vec::new() };
+        let mut sources = Self { points: Vec::new(), given: Vec::new(), spacing: 0.0, notes: Vec::new(), corners: Vec::new() };
         for &point in &args.source {
             let found = usize::try_from(point).ok().and_then(|point| domain.vertex_of_point().get(point));
             let vertex = match found {
@@ -65,6 +67,7 @@ impl Sources {
                 }
             };
             sources.points.push(SurfacePoint::Vertex(vertex));
+            sources.given.push((format!("point {point}"), 1));
         }
         let most = args.source_tolerance * diagonal;
         let on_surface = |at: [f64; 3], what: String| -> Result<SurfacePoint, Failure> {
@@ -81,6 +84,7 @@ impl Sources {
             let point = on_surface(at, format!("--source-point {},{},{}", at[0], at[1], at[2]))?;
             sources.notes.push(format!("--source-point {},{},{} is {}", at[0], at[1], at[2], describe(&point, domain)));
             sources.points.push(point);
+            sources.given.push((format!("place {},{},{}", at[0], at[1], at[2]), 1));
         }
         if let Some(path) = &args.source_curve {
             let places = read_curve(path)?;
@@ -96,6 +100,7 @@ impl Sources {
                 sources.spacing,
                 sources.spacing / 2.0
             ));
+            sources.given.push((format!("curve {}", path.display()), samples.len()));
             sources.points.extend(samples);
         }
         if sources.points.is_empty() {
@@ -105,6 +110,17 @@ impl Sources {
         sources.corners.sort_unstable();
         sources.corners.dedup();
         Ok(sources)
+    }
+
+    /// The points of each source by itself.
+    pub fn each(&self) -> Vec<Vec<SurfacePoint>> {
+        let mut rest = self.points.as_slice();
+        let own = self.given.iter().map(|&(_, count)| {
+            let (own, others) = rest.split_at(count);
+            rest = others;
+            own.to_vec()
+        });
+        own.collect()
     }
 
     /// Whether a vertex is a corner of a cell that holds a source.

@@ -1,8 +1,8 @@
 //! `morsmooth info`: what a file holds.
 
-use std::io::Write;
+use std::path::Path;
 
-use morsmooth::io::{ArrayData, DataArray, MaskSources, domain, mask, read};
+use morsmooth::io::{ArrayData, DataArray, DataSet, MaskSources, domain, mask, read};
 use morsmooth::mesh::{MeshFault, faults};
 use serde_json::{Value, json};
 
@@ -11,7 +11,8 @@ use crate::args::InfoArgs;
 use crate::failure::Failure;
 use crate::input::describe;
 use crate::output::check_report;
-use crate::report::write_report;
+use crate::report::{print_lines, write_report};
+use crate::steps::Series;
 use crate::talk::Talk;
 
 /// Faults listed on the screen; the report has them all.
@@ -21,17 +22,90 @@ const SHOWN: usize = 20;
 pub fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
     check_report(args.talk.report.as_deref(), &[&args.input])?;
     let talk = Talk::new(args.talk.quiet);
+    if let Some(series) = Series::listed(&args.input)? {
+        return run_several(args, &series, &talk);
+    }
     talk.stage("reading");
     let dataset = read(&args.input).map_err(|error| Failure::usage(error.to_string()))?;
-    let sources = MaskSources { array: args.mask.clone(), ..MaskSources::default() };
-    let kept = mask(&dataset, &sources).map_err(|error| Failure::file(&args.input, error))?;
     talk.stage("domain");
-    let built = domain(&dataset, &kept);
-    let found: Vec<MeshFault> = built.as_ref().map(faults).unwrap_or_default();
+    let seen = look(args, &args.input, &dataset)?;
     talk.finish();
+    if let Some(path) = &args.talk.report {
+        write_report(path, &seen.report)?;
+    }
+    if !args.talk.quiet {
+        print_lines(&seen.lines);
+    }
+    match seen.fault {
+        None => Ok(Outcome::Done),
+        Some(failure) => Err(failure),
+    }
+}
 
+/// Every data set of a list. One that cannot be read is named, and the others are shown.
+fn run_several(args: &InfoArgs, series: &Series, talk: &Talk) -> Result<Outcome, Failure> {
+    let mut lines = vec![format!("{}: {} {}", args.input.display(), series.steps.len(), series.noun())];
+    let (mut reports, mut failed) = (Vec::new(), Vec::new());
+    for step in &series.steps {
+        talk.stage(&step.label);
+        let seen = read(&step.input)
+            .map_err(|error| Failure::usage(error.to_string()))
+            .and_then(|dataset| look(args, &step.input, &dataset));
+        lines.push(String::new());
+        lines.push(step.label.clone());
+        let mut report = match seen {
+            Ok(seen) => {
+                lines.extend(seen.lines);
+                seen.report
+            }
+            Err(failure) => {
+                lines.push(format!("unreadable   {}", failure.text()));
+                failed.push(format!("{}: {}", step.label, failure.text()));
+                json!({ "input": step.input, "error": failure.text() })
+            }
+        };
+        report["address"] = json!(step.address);
+        report["time"] = json!(step.time);
+        reports.push(report);
+    }
+    for empty in &series.empty {
+        lines.extend([String::new(), format!("block {empty} (empty, without a file)")]);
+    }
+    talk.finish();
+    if let Some(path) = &args.talk.report {
+        let report = json!({
+            "program": "morsmooth", "version": env!("CARGO_PKG_VERSION"), "input": args.input, "kind": series.noun(),
+            "empty": series.empty, series.noun(): reports,
+        });
+        write_report(path, &report)?;
+    }
+    if !args.talk.quiet {
+        print_lines(&lines);
+    }
+    match failed.is_empty() {
+        true => Ok(Outcome::Done),
+        false => {
+            let text = format!("{} of {} {} cannot be read\n{}", failed.len(), series.steps.len(), series.noun(), failed.join("\n"));
+            Err(Failure::file(&args.input, text))
+        }
+    }
+}
+
+/// What was seen of one data set.
+struct Seen {
+    lines: Vec<String>,
+    report: Value,
+    /// Why it is no domain.
+    fault: Option<Failure>,
+}
+
+fn look(args: &InfoArgs, path: &Path, dataset: &DataSet) -> Result<Seen, Failure> {
+    let sources = MaskSources { array: args.mask.clone(), ..MaskSources::default() };
+    let kept = mask(dataset, &sources).map_err(|error| Failure::file(path, error))?;
+    let built = domain(dataset, &kept);
+    let found: Vec<MeshFault> = built.as_ref().map(faults).unwrap_or_default();
     let mut lines = vec![
-        format!("{}: {}, {} points, {} cells", args.input.display(), dataset.geometry.name(), dataset.point_count(), dataset.cell_count()),
+        format!("{}: {}, {} points, {} cells", path.display(), dataset.geometry.name(), dataset.point_count(), dataset.cell_count()),
     ];
     for (what, arrays) in [
         ("point array", &dataset.point_data.arrays),
@@ -63,19 +137,8 @@ pub fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
     if found.len() > SHOWN {
         lines.push(format!("             and {} more", found.len() - SHOWN));
     }
-    if let Some(path) = &args.talk.report {
-        write_report(path, &report(args, &dataset, built.as_ref().ok(), &found))?;
-    }
-    if !args.talk.quiet {
-        let mut out = std::io::stdout().lock();
-        for line in lines {
-            let _ = writeln!(out, "{line}");
-        }
-    }
-    match built {
-        Ok(_) => Ok(Outcome::Done),
-        Err(error) => Err(Failure::file(&args.input, error)),
-    }
+    let report = report(path, dataset, built.as_ref().ok(), &found);
+    Ok(Seen { lines, report, fault: built.err().map(|error| Failure::file(path, error)) })
 }
 
 fn holes(array: &DataArray) -> String {
@@ -92,8 +155,8 @@ fn euler(complex: &morsmooth::mesh::SimplicialComplex) -> i64 {
 }
 
 fn report(
-    args: &InfoArgs,
-    dataset: &morsmooth::io::DataSet,
+    path: &Path,
+    dataset: &DataSet,
     domain: Option<&morsmooth::mesh::Domain>,
     found: &[MeshFault],
 ) -> Value {
@@ -106,7 +169,7 @@ fn report(
     json!({
         "program": "morsmooth",
         "version": env!("CARGO_PKG_VERSION"),
-        "input": args.input.display().to_string(),
+        "input": path.display().to_string(),
         "kind": dataset.geometry.name(),
         "points": dataset.point_count(),
         "cells": dataset.cell_count(),

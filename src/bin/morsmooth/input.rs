@@ -1,25 +1,26 @@
 //! From the command line to a field on a domain.
 
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 
-use morsmooth::field::VertexId;
-use morsmooth::io::{ArrayData, DataArray, DataSet, MaskSources, domain, mask, read};
+use morsmooth::field::{Precision, VertexId};
+use morsmooth::io::{ArrayData, DataArray, DataSet, MaskSources, mask, read};
 use morsmooth::mesh::{Domain, Mask, check};
-use morsmooth::monotone::Precision;
 use morsmooth::operators::{Derived, OperatorError, derive};
 use morsmooth::smooth::{SmoothError, constant_components};
 
 use crate::args::{DeriveKind, FieldArgs, FieldsArgs};
 use crate::failure::Failure;
+use crate::ground::Grounds;
 use crate::number::short;
+use crate::pattern::fits;
 
 /// A scalar field of a file, on the part of its points that is the domain.
 pub struct FieldInput {
     /// The file.
     pub path: PathBuf,
     /// All of it, shared by the fields of one file.
-    pub dataset: Rc<DataSet>,
+    pub dataset: Arc<DataSet>,
     /// Name of the field.
     pub name: String,
     /// Whether it was derived from the array of a vector.
@@ -27,9 +28,7 @@ pub struct FieldInput {
     /// The mask asked for.
     pub mask: Option<String>,
     /// The domain, shared by fields with the same holes.
-    pub domain: Rc<Domain>,
-    /// The points and cells that are in it.
-    kept: Mask,
+    pub domain: Arc<Domain>,
     /// Value at every point of the file; NaN where a derived field has none.
     pub on_points: Vec<f64>,
     /// Value at every vertex of the domain.
@@ -43,26 +42,31 @@ pub struct FieldInput {
 impl FieldInput {
     /// Reads the file, finds the array, builds the domain.
     pub fn load(args: &FieldArgs) -> Result<Self, Failure> {
-        let dataset = Rc::new(read(&args.input).map_err(|error| Failure::usage(error.to_string()))?);
+        let dataset = Arc::new(read(&args.input).map_err(|error| Failure::usage(error.to_string()))?);
         let array = choose(&dataset, args)?;
-        Self::of_array(&dataset, array, args, None)
+        Self::of_array(&dataset, array, args, &Grounds::of_one_file())
     }
 
     /// Reads the file once, and a field for every array meant; fields with the same holes share their domain.
     pub fn load_all(args: &FieldsArgs) -> Result<Vec<Self>, Failure> {
-        let dataset = Rc::new(read(&args.input).map_err(|error| Failure::usage(error.to_string()))?);
+        let dataset = Arc::new(read(&args.input).map_err(|error| Failure::usage(error.to_string()))?);
+        Self::all_of(&dataset, args, &Grounds::of_one_file())
+    }
+
+    /// As [`FieldInput::load_all`], of a data set that was read from `args.input`.
+    pub fn all_of(dataset: &Arc<DataSet>, args: &FieldsArgs, grounds: &Grounds) -> Result<Vec<Self>, Failure> {
         let single = |array: Option<String>| FieldArgs {
             input: args.input.clone(),
             array,
             mask: args.mask.clone(),
             derive: args.derive,
         };
-        let names = array_names(&dataset, args, &single(None))?;
+        let names = array_names(dataset, args, &single(None))?;
         let mut inputs: Vec<Self> = Vec::with_capacity(names.len());
         for name in names {
             let args = single(name);
-            let array = choose(&dataset, &args)?;
-            let input = Self::of_array(&dataset, array, &args, inputs.last())?;
+            let array = choose(dataset, &args)?;
+            let input = Self::of_array(dataset, array, &args, grounds)?;
             if inputs.iter().any(|other| other.name == input.name) {
                 return Err(Failure::usage(format!("the array '{}' was named twice; expected each once", input.name)));
             }
@@ -71,16 +75,13 @@ impl FieldInput {
         Ok(inputs)
     }
 
-    /// The field of one array; `near` is another one of the same file, whose domain may be the same.
-    pub fn of_array(dataset: &Rc<DataSet>, array: &DataArray, args: &FieldArgs, near: Option<&Self>) -> Result<Self, Failure> {
+    /// The field of one array, on the domain of another field where that is the same.
+    pub fn of_array(dataset: &Arc<DataSet>, array: &DataArray, args: &FieldArgs, grounds: &Grounds) -> Result<Self, Failure> {
         let sources =
             MaskSources { array: args.mask.clone(), holes: vec![array.name.clone()], ..MaskSources::default() };
         let file = |error: &dyn std::fmt::Display| Failure::file(&args.input, error);
         let kept = mask(dataset, &sources).map_err(|error| file(&error))?;
-        let full = match near.filter(|near| near.kept == kept) {
-            Some(near) => Rc::clone(&near.domain),
-            None => Rc::new(domain(dataset, &kept).map_err(|error| file(&error))?),
-        };
+        let full = grounds.domain(dataset, &kept).map_err(|error| file(&error))?;
         let precision = match array.data {
             ArrayData::F32(_) => Precision::F32,
             _ => Precision::F64,
@@ -96,24 +97,23 @@ impl FieldInput {
             return Err(file(&text).hint("NaN marks a hole; an infinite value must be masked (--mask) or repaired"));
         }
         let mut notes: Vec<String> = full.notes.iter().map(ToString::to_string).collect();
-        let (domain, values, kept) = match constant_parts(&full, &values) {
+        let (domain, values) = match constant_parts(&full, &values) {
             Some((constant, found)) => {
                 notes.extend(found);
                 let kept = kept_without(dataset, kept, &constant);
-                let domain = self::domain(dataset, &kept).map_err(|error| file(&error))?;
+                let domain = grounds.domain(dataset, &kept).map_err(|error| file(&error))?;
                 let values = domain.restrict(&on_points);
-                (Rc::new(domain), values, kept)
+                (domain, values)
             }
-            None => (full, values, kept),
+            None => (full, values),
         };
         Ok(Self {
             path: args.input.clone(),
-            dataset: Rc::clone(dataset),
+            dataset: Arc::clone(dataset),
             name,
             is_derived: args.derive.is_some(),
             mask: args.mask.clone(),
             domain,
-            kept,
             on_points,
             values,
             precision,
@@ -199,22 +199,14 @@ fn array_names(dataset: &DataSet, args: &FieldsArgs, any: &FieldArgs) -> Result<
     Ok(if args.array.is_empty() { vec![None] } else { args.array.iter().flat_map(split).collect() })
 }
 
-/// Whether a name fits a pattern in which * stands for any characters and ? for one.
-fn fits(pattern: &str, name: &str) -> bool {
-    let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
-    // fits[i]: whether the first i characters of the name fit the pattern so far.
-    let mut fits = vec![false; name.len() + 1];
-    fits[0] = true;
-    for wanted in pattern {
-        let before = fits.clone();
-        for (place, &so_far) in before.iter().enumerate() {
-            fits[place] = match wanted {
-                '*' => so_far || place > 0 && fits[place - 1],
-                _ => place > 0 && before[place - 1] && (wanted == '?' || wanted == name[place - 1]),
-            };
-        }
-    }
-    fits[name.len()]
+/// Whether a data set has any array that could be meant.
+pub fn has_fields(dataset: &DataSet, args: &FieldsArgs) -> bool {
+    let any = FieldArgs { input: args.input.clone(), array: None, mask: args.mask.clone(), derive: args.derive };
+    let Ok(names) = array_names(dataset, args, &any) else { return false };
+    names.iter().any(|name| match name {
+        Some(name) => dataset.point_array(name).is_some(),
+        None => candidates(dataset, &any).next().is_some(),
+    })
 }
 
 /// Numeric point arrays that could be meant.

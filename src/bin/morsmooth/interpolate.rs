@@ -3,23 +3,27 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use morsmooth::audit::Plateaus;
-use morsmooth::interpolate::{BoundaryValues, Guide, InterpolateError, InterpolateOptions, Interpolated, Interpolator, Method, interpolate_wanted};
+use morsmooth::interpolate::{
+    BoundaryValues, InterpolateError, InterpolateOptions, Interpolated, Interpolator, interpolate_near, interpolate_wanted,
+};
 use morsmooth::monotone::ValueRule;
 use morsmooth::plot::{FieldView, PictureOptions, field_picture};
 use morsmooth::qp::QpStatus;
 use serde_json::{Value, json};
 
 use crate::Outcome;
-use crate::args::{OutlineArgs, TalkArgs};
+use crate::args::{GuideKind, LengthArgs, MethodKind, OutlineArgs, TalkArgs};
+use crate::beside::fitting;
 use crate::by_hand::{HandWish, wanted, wishes};
 use crate::failure::Failure;
 use crate::input::FieldInput;
+use crate::interpolate_data::Data;
 use crate::number::short;
 use crate::output::{check_output, check_target};
 use crate::report::{audit_json, audit_line, command_line, header, status_name, wanted_json, write_report};
-use crate::shape_input::{domain, fitting, load};
+use crate::shape_input::{domain, load};
 use crate::talk::Talk;
 use crate::written::{OrderArrays, Produced, write_and_audit};
 
@@ -51,9 +55,17 @@ pub struct InterpolateArgs {
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
     pub order: u8,
 
-    /// The function from which edges take their directions.
+    /// The function that gives every edge its direction.
     #[arg(long, value_enum, default_value_t = GuideKind::Automatic)]
-    pub guide: GuideKind,
+    pub representative: GuideKind,
+
+    /// Point array of the input to stay close to, by --method monotone; then every value may be left free. Points with NaN have no data.
+    #[arg(long, value_name = "NAME")]
+    pub data: Option<String>,
+
+    /// With --data: how far noise is averaged away.
+    #[command(flatten)]
+    pub length: LengthArgs,
 
     /// Rounds in which the solution becomes the representative function of the next.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -84,42 +96,6 @@ pub struct InterpolateArgs {
     pub talk: TalkArgs,
 }
 
-/// Values of `--method`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MethodKind {
-    /// Least Dirichlet energy.
-    Harmonic,
-    /// Least energy of the order, no other constraint.
-    Polyharmonic,
-    /// Least energy within the range of the given values.
-    Bounded,
-    /// Least energy without other extrema.
-    Monotone,
-}
-
-impl MethodKind {
-    /// As the library has it.
-    pub fn method(self) -> Method {
-        match self {
-            Self::Harmonic => Method::Harmonic,
-            Self::Polyharmonic => Method::Polyharmonic,
-            Self::Bounded => Method::Bounded,
-            Self::Monotone => Method::Monotone,
-        }
-    }
-}
-
-/// Values of `--guide`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum GuideKind {
-    /// For orders 1 and 2 the smooth function, for 3 and 4 the better of both.
-    Automatic,
-    /// The smooth function, simplified.
-    Smooth,
-    /// The harmonic function.
-    Harmonic,
-}
-
 /// Runs the command.
 pub fn run(args: &InterpolateArgs) -> Result<Outcome, Failure> {
     let begin = Instant::now();
@@ -140,8 +116,9 @@ pub fn run(args: &InterpolateArgs) -> Result<Outcome, Failure> {
     input.notes.iter().for_each(|note| talk.line(&format!("note: {note}")));
     let wishes = wishes(args.minima.as_deref(), args.maxima.as_deref(), &input)?;
     let (extrema, rules) = wanted(&wishes, input.domain.complex.vertex_count());
+    let data = Data::of(args, &input, &talk)?;
     talk.stage("solving");
-    let found = solve(args, &input, &wishes)?;
+    let found = solve(args, &input, &wishes, data.as_ref())?;
 
     talk.stage("writing, and audit of the file as written");
     let produced = Produced {
@@ -201,6 +178,7 @@ pub fn run(args: &InterpolateArgs) -> Result<Outcome, Failure> {
         told["wanted"] = wanted_json(&input, &extrema, &found.values, &rules);
         told["range"] = json!([range.0, range.1]);
         told["energy"] = json!(report.energy);
+        told["data"] = json!(data.as_ref().map(|data| data.told(&found.values)));
         told["solver"] = solver_json(&found);
         told["seconds"] = json!(begin.elapsed().as_secs_f64());
         write_report(path, &told)?;
@@ -208,7 +186,7 @@ pub fn run(args: &InterpolateArgs) -> Result<Outcome, Failure> {
     if !args.talk.quiet {
         use std::io::Write;
         let mut out = std::io::stdout().lock();
-        let lines = [
+        let mut lines = vec![
             ("domain", format!("{} vertices, dimension {}", input.values.len(), input.domain.complex.dimension())),
             ("wanted", format!("{} minima, {} maxima", extrema.minima.len(), extrema.maxima.len())),
             ("method", format!("{} of order {}", args.method.method(), args.order)),
@@ -218,6 +196,9 @@ pub fn run(args: &InterpolateArgs) -> Result<Outcome, Failure> {
             ("audit", verdict),
             ("output", if is_kept { format!("{}, array {}", args.output.display(), args.output_array) } else { "none".to_owned() }),
         ];
+        if let Some(data) = &data {
+            lines.insert(3, ("data", data.line(&found.values)));
+        }
         for (what, text) in lines {
             let _ = writeln!(out, "{what:<15} {text}");
         }
@@ -235,20 +216,19 @@ pub fn solver_json(found: &Interpolated) -> Value {
     })
 }
 
-fn solve(args: &InterpolateArgs, input: &FieldInput, wishes: &[HandWish]) -> Result<Interpolated, Failure> {
+fn solve(args: &InterpolateArgs, input: &FieldInput, wishes: &[HandWish], data: Option<&Data>) -> Result<Interpolated, Failure> {
     let complex = &input.domain.complex;
     let (extrema, rules) = wanted(wishes, complex.vertex_count());
     let options = InterpolateOptions {
-        guide: match args.guide {
-            GuideKind::Automatic => Guide::Automatic,
-            GuideKind::Smooth => Guide::SmoothThenSimplify,
-            GuideKind::Harmonic => Guide::Harmonic,
-        },
+        guide: args.representative.guide(),
         refine: args.refine,
         ..InterpolateOptions::default()
     };
     let told = |error: InterpolateError| failure(&error, input, wishes);
     let mut interpolator = Interpolator::new(complex, usize::from(args.order)).map_err(told)?;
+    if let Some(data) = data {
+        return interpolate_near(&interpolator, &extrema, &rules, &data.nearness(), &options).map_err(told);
+    }
     let open = wishes.iter().find(|wish| !matches!(wish.rule, ValueRule::Exactly(_)));
     match (args.method, open) {
         (MethodKind::Monotone, Some(_)) => interpolate_wanted(&interpolator, &extrema, &rules, &options).map_err(told),

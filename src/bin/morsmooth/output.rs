@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use morsmooth::io::is_same_file;
+use morsmooth::io::{is_same_file, resolve};
 
 use crate::failure::Failure;
 
@@ -21,7 +21,9 @@ pub fn check_target(path: &Path) -> Result<(), Failure> {
 
 /// Refuses an output in the place of the input, and outputs and reports that cannot be written or would overwrite another file.
 pub fn check_output(input: &Path, output: &Path, report: Option<&Path>, others: &[&Path]) -> Result<(), Failure> {
-    if is_same_file(input, output) {
+    // One block of a list is a file of its own.
+    let own = resolve(input).unwrap_or_else(|_| input.to_owned());
+    if is_same_file(&own, output) {
         return Err(Failure::file(output, "the output is the input file; expected another name")
             .hint("the input is never changed; write to another file and rename it yourself"));
     }

@@ -4,15 +4,15 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use morsmooth::field::Precision;
 use morsmooth::io::{DiagramField, DiagramLayout, PendingFile, ValueType, diagram_dataset, write_temporary};
-use morsmooth::monotone::Precision;
 use morsmooth::morse::{PersistenceCurve, PersistenceDiagram, PersistenceGap, Selection, Threshold, persistence_diagram};
 use morsmooth::plot::write_atomically;
-use morsmooth::smooth::{ExtremumCount, Length, LengthReport, MeasuredField, SelectOn, SmoothOptions, Smoother, check_field};
+use morsmooth::smooth::{ExtremumCount, LengthReport, MeasuredField, SelectOn, SmoothOptions, Smoother, check_field};
 use serde_json::{Value, json};
 
 use crate::Outcome;
-use crate::args::{FieldArgs, SelectKind, TalkArgs, fraction};
+use crate::args::{FieldArgs, LengthArgs, SelectKind, TalkArgs};
 use crate::failure::Failure;
 use crate::input::FieldInput;
 use crate::number::{plain, short};
@@ -68,13 +68,9 @@ pub struct PersistenceArgs {
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
     pub order: u8,
 
-    /// With --select smooth: smoothing length as a part of the diagonal of the bounding box. Chosen from the noise by default.
-    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs", allow_hyphen_values = true)]
-    pub length: Option<f64>,
-
-    /// With --select smooth: smoothing length in the units of the points.
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
-    pub length_abs: Option<f64>,
+    /// With --select smooth: how far noise is averaged away.
+    #[command(flatten)]
+    pub length: LengthArgs,
 
     /// What is said, and threads.
     #[command(flatten)]
@@ -147,11 +143,7 @@ fn measured(args: &PersistenceArgs, input: &FieldInput, talk: &Talk) -> Result<(
     let options = SmoothOptions {
         select_on: SelectOn::Smooth,
         order: usize::from(args.order),
-        length: match (args.length, args.length_abs) {
-            (Some(fraction), _) => Length::OfDiagonal(fraction),
-            (None, Some(length)) => Length::Absolute(length),
-            (None, None) => Length::Automatic,
-        },
+        length: args.length.length(),
         // No selection is made; any would do.
         ..SmoothOptions::new(Selection::Threshold(Threshold::Fraction(0.0)))
     };

@@ -49,15 +49,15 @@ pub fn before_and_after(directory: &Path, input: &FieldInput, result: &Smoothed)
         .map_err(|error| plot_failure(&target, &error))
 }
 
-/// Isolines of a distance.
-pub fn distance(directory: &Path, input: &FieldInput) -> Result<(), Failure> {
+/// Isolines of a distance, in `<name>.png`.
+pub fn distance(directory: &Path, name: &str, input: &FieldInput) -> Result<(), Failure> {
     prepare(directory)?;
     let complex = &input.domain.complex;
     let found = extrema_of(complex, &input.values).map_err(|error| Failure::file(&input.path, error))?;
     let title = format!("{} minima, {} maxima", found.minima.len(), found.maxima.len());
     let view = FieldView { title: &title, values: &input.values, minima: &found.minima, maxima: &found.maxima };
     let options = PictureOptions { label: input.name.clone(), ..PictureOptions::default() };
-    let target = directory.join("distance.png");
+    let target = directory.join(format!("{name}.png"));
     field_picture(complex, &view, &options)
         .and_then(|picture| picture.write_png(&target))
         .map_err(|error| plot_failure(&target, &error))

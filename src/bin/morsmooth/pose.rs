@@ -7,25 +7,25 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use morsmooth::deform::skinning::{dual_quaternion, linear_blend};
 use morsmooth::io::{
-    ArrayData, DataArray, DataSet, GeometryKind, PendingFile, domain, is_same_file, losses, read, read_handles, read_mesh_or_outline,
-    read_pose, reshape, set_positions, write_temporary,
+    ArrayData, DataArray, DataSet, PendingFile, domain, is_same_file, read_handles, read_mesh_or_outline, read_pose, set_positions,
 };
 use morsmooth::mesh::{Domain, Handle, HandleSet, HandleShape, Mask, Pose};
 use serde_json::json;
 
 use crate::Outcome;
 use crate::args::{OutlineArgs, TalkArgs};
+use crate::beside::{fitting, read_back, with_vertices, write_beside};
 use crate::failure::Failure;
 use crate::number::short;
 use crate::output::{check_directory, check_output};
 use crate::pose_audit::{Inversions, inversions};
 use crate::report::{command_line, write_report};
 use crate::talk::Talk;
+use crate::weight_arrays::{Mesh, WeightFile, rows};
 
 /// Name of the array that says how far each point moved.
 const DISPLACEMENT: &str = "displacement";
-/// Field data of a file of weights: the names of the handles, and the places about which they turn.
-const HANDLE_NAMES: &str = "handle_names";
+/// Field data of a file of weights: the places about which its handles turn.
 const HANDLE_PIVOTS: &str = "handle_pivots";
 /// Sums of weights this far from 1 are worth a word.
 const UNITY: f64 = 1e-6;
@@ -127,7 +127,7 @@ pub fn run(args: &PoseArgs) -> Result<Outcome, Failure> {
     talk.stage("writing");
     let (pending, lost) = write(args, &scene, &moved)?;
     // What is in the file, in its own precision, is what is judged.
-    let written = read(pending.path()).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
+    let written = read_back(&pending)?;
     let places = written.points_f64();
     let found = match keeps_numbers(&scene, &moved, &places) {
         true => inversions(&scene.domain, &places),
@@ -156,16 +156,8 @@ fn load(args: &PoseArgs) -> Result<Scene, Failure> {
     let options = args.outline.options();
     let dataset = read_mesh_or_outline(&args.mesh, &options).map_err(|error| Failure::usage(error.to_string()))?;
     let domain = domain(&dataset, &Mask::none()).map_err(|error| Failure::file(&args.mesh, error))?;
-    let of_weights = if is_same_file(&args.mesh, &args.weights) {
-        None
-    } else {
-        Some(read_mesh_or_outline(&args.weights, &options).map_err(|error| Failure::usage(error.to_string()))?)
-    };
-    let source = of_weights.as_ref().unwrap_or(&dataset);
-    if source.point_count() != dataset.point_count() {
-        let text = format!("found weights for {} points; {} has {}", source.point_count(), args.mesh.display(), dataset.point_count());
-        return Err(Failure::file(&args.weights, text));
-    }
+    let mesh = Mesh { path: &args.mesh, dataset: &dataset, domain: &domain };
+    let file = WeightFile::read(&args.weights, &mesh, &options)?;
     let given = args.handles.as_ref().map(|path| {
         let set = read_handles(path).map_err(|error| Failure::usage(error.to_string()))?;
         set.renumbered(domain.vertex_of_point()).map_err(|error| Failure::file(path, error))
@@ -173,44 +165,16 @@ fn load(args: &PoseArgs) -> Result<Scene, Failure> {
     let given = given.transpose()?;
     let names = match &given {
         Some(set) => set.names(),
-        None => handle_names(source).ok_or_else(|| {
-            Failure::file(&args.weights, format!("found no field data array '{HANDLE_NAMES}'; expected the names of the handles"))
+        None => file.handle_names().ok_or_else(|| {
+            Failure::file(&args.weights, "found no field data array 'handle_names'; expected the names of the handles")
                 .hint("'morsmooth weights' writes it; or give the handles with --handles")
         })?,
     };
-    let columns = names.iter().map(|name| column(args, source, &domain, name)).collect::<Result<Vec<_>, Failure>>()?;
-    let vertices = domain.complex.vertex_count();
-    let mut weights = Vec::with_capacity(vertices * names.len());
-    (0..vertices).for_each(|vertex| weights.extend(columns.iter().map(|column| column[vertex])));
+    let columns = file.columns(&names, ("--prefix", &args.prefix))?;
+    let weights = rows(&columns);
     let off_unity = weights.chunks_exact(names.len().max(1)).map(|row| (row.iter().sum::<f64>() - 1.0).abs()).fold(0.0, f64::max);
-    let handles = given.unwrap_or_else(|| placed(source, &domain, names, &columns));
+    let handles = given.unwrap_or_else(|| placed(file.dataset(), &domain, names, &columns));
     Ok(Scene { dataset, domain, handles, weights, off_unity })
-}
-
-fn handle_names(dataset: &DataSet) -> Option<Vec<String>> {
-    let array = dataset.field_data.iter().find(|array| array.name == HANDLE_NAMES)?;
-    matches!(array.data, ArrayData::String(_)).then(|| array.to_texts()).filter(|names| !names.is_empty())
-}
-
-/// The weights of one handle on the vertices.
-fn column(args: &PoseArgs, source: &DataSet, domain: &Domain, name: &str) -> Result<Vec<f64>, Failure> {
-    let name = format!("{}{name}", args.prefix);
-    let Some(array) = source.point_array(&name) else {
-        let known: Vec<&str> = source.point_data.arrays.iter().map(|array| array.name.as_str()).collect();
-        return Err(Failure::file(&args.weights, format!("found no point array '{name}'; expected the weights of a handle"))
-            .hint(format!("point arrays: {}", if known.is_empty() { "none".to_owned() } else { known.join(", ") })));
-    };
-    if array.components != 1 || matches!(array.data, ArrayData::String(_)) {
-        return Err(Failure::file(&args.weights, format!("array '{name}' has {} components; expected one number a point", array.components)));
-    }
-    let values = domain.restrict(&array.to_f64(0));
-    match values.iter().position(|value| !value.is_finite()) {
-        Some(vertex) => {
-            let point = domain.point_of_vertex()[vertex];
-            Err(Failure::file(&args.weights, format!("array '{name}' is {} at point {point}; expected a finite number", values[vertex])))
-        }
-        None => Ok(values),
-    }
 }
 
 /// Handles as points at their pivots.
@@ -234,24 +198,13 @@ fn middle_of_greatest(domain: &Domain, weights: &[f64]) -> [f64; 3] {
 /// The moved mesh beside its place, and what its format has no room for.
 fn write(args: &PoseArgs, scene: &Scene, moved: &[[f64; 3]]) -> Result<(PendingFile, Vec<String>), Failure> {
     let mut dataset = scene.dataset.clone();
-    // Points of no cell stay.
-    let mut places = dataset.points_f64();
-    let rest = places.clone();
-    for (vertex, &place) in moved.iter().enumerate() {
-        places[scene.domain.point_of_vertex()[vertex] as usize] = place;
-    }
+    let rest = dataset.points_f64();
+    let places = with_vertices(rest.clone(), &scene.domain, moved);
     let steps = places.iter().zip(&rest).flat_map(|(place, rest)| (0..3).map(move |axis| place[axis] - rest[axis]));
     let displacement = DataArray::new(DISPLACEMENT, 3, ArrayData::F64(steps.collect()));
     set_positions(&mut dataset, &places).map_err(|text| Failure::file(&args.mesh, text))?;
     dataset.set_point_array(displacement);
-    let extension = args.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let dataset = match GeometryKind::of_extension(extension) {
-        Some(kind) => reshape(dataset, kind).map_err(|error| Failure::file(&args.output, error))?,
-        None => dataset,
-    };
-    let lost = losses(&args.output, &dataset).map_err(|error| Failure::usage(error.to_string()))?;
-    let pending = write_temporary(&args.output, &dataset).map_err(|error| Failure::usage(error.to_string()))?;
-    Ok((pending, lost))
+    write_beside(&args.output, &fitting(dataset, &args.output)?)
 }
 
 /// Whether the points of the file are those that were written, but for rounding: a format such as .stl puts them into an order of its own.

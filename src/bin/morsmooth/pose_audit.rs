@@ -1,6 +1,8 @@
-//! How many elements a pose turned inside out, counted on the positions of the file.
+//! How many elements a pose turned inside out, counted by exact predicates on the positions of the file.
 
+use morsmooth::audit::{OrientationReport, orientations};
 use morsmooth::deform::RestShape;
+use morsmooth::field::Precision;
 use morsmooth::mesh::Domain;
 use serde_json::{Value, json};
 
@@ -13,13 +15,13 @@ const FLAT: f64 = 1e-12;
 
 /// What was counted.
 pub enum Inversions {
-    /// Elements with det F <= 0.
+    /// Elements that are inverted or flat.
     Counted {
         /// Cells of the file that have one, rising.
         cells: Vec<u32>,
         /// How many elements.
         count: usize,
-        /// det F of every element.
+        /// det F of every element, of its exact sign.
         determinants: Vec<f64>,
         /// The smallest det F.
         smallest: f64,
@@ -46,17 +48,35 @@ pub fn inversions(domain: &Domain, places: &[[f64; 3]]) -> Inversions {
         }
     }
     let positions: Vec<f64> = moved.iter().flat_map(|place| place[..dimension].iter().copied()).collect();
+    let report = match orientations(&domain.complex, &[], &moved, Precision::F64) {
+        Ok(report) => report,
+        Err(error) => return Inversions::Unknown(error.to_string()),
+    };
     match rest.determinants(&positions) {
         Ok(determinants) => {
-            let inverted: Vec<usize> = (0..determinants.len()).filter(|&element| determinants[element] <= 0.0).collect();
-            let mut cells: Vec<u32> = inverted.iter().map(|&element| domain.cell_of_simplex()[element]).collect();
+            let mut cells: Vec<u32> =
+                report.inverted.iter().chain(&report.degenerate).map(|&element| domain.cell_of_simplex()[element]).collect();
             cells.sort_unstable();
             cells.dedup();
-            let smallest = determinants.iter().copied().fold(f64::INFINITY, f64::min);
-            Inversions::Counted { cells, count: inverted.len(), determinants, smallest }
+            let count = report.inverted.len() + report.degenerate.len();
+            Inversions::Counted { cells, count, smallest: report.smallest, determinants: signed(determinants, &report) }
         }
         Err(error) => Inversions::Unknown(error.to_string()),
     }
+}
+
+/// Rounded determinants with the signs that are true.
+fn signed(mut determinants: Vec<f64>, report: &OrientationReport) -> Vec<f64> {
+    for (element, determinant) in determinants.iter_mut().enumerate() {
+        *determinant = if report.degenerate.binary_search(&element).is_ok() {
+            0.0
+        } else if report.inverted.binary_search(&element).is_ok() {
+            determinant.min(-f64::MIN_POSITIVE)
+        } else {
+            determinant.max(f64::MIN_POSITIVE)
+        };
+    }
+    determinants
 }
 
 impl Inversions {

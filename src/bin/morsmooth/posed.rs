@@ -374,15 +374,19 @@ fn of_deformed(deformed: Deformed, rig: &Rig) -> Posed {
         ("energy", energy_line(&deformed.energy)),
         (
             "certificate",
-            format!(
-                "duality gap {:.1e} of the energy, stationarity {:.1e}, constraints to {:.1e}",
-                certificate.duality_gap, certificate.stationarity, certificate.primal
-            ),
+            match deformed.is_certified() && deformed.is_without_energy() {
+                true => format!("no energy but {:.1e} of the rest measure, and none is below 0", deformed.energy.total() / deformed.rest_measure),
+                false => format!(
+                    "duality gap {:.1e} of the energy, stationarity {:.1e}, constraints to {:.1e}",
+                    certificate.duality_gap, certificate.stationarity, certificate.primal
+                ),
+            },
         ),
         ("effort", format!("{} factorizations, {} iterations{problems}, {:.2} s", effort.factorizations, effort.iterations, effort.seconds)),
     ];
     let told = json!({
         "status": deformed.status, "substitute": deformed.substitute, "solver": deformed.method, "energy": deformed.energy,
+        "rest_measure": deformed.rest_measure,
         "certificate": certificate, "effort": effort,
         "active_constraints": deformed.elements.active.iter().filter(|active| **active).count(),
     });

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use morsmooth::audit::{AuditReport, Defects, ExtremumType};
-use morsmooth::field::VertexId;
-use morsmooth::monotone::{Precision, ValueRule};
+use morsmooth::field::{Precision, VertexId};
+use morsmooth::monotone::ValueRule;
 use morsmooth::morse::{ExtremumPair, WantedExtrema, reported_persistences};
 use morsmooth::plot::write_atomically;
 use morsmooth::qp::QpStatus;
@@ -120,6 +120,7 @@ pub fn audit_line(audit: &AuditReport) -> String {
 /// Everything about one run of `morsmooth smooth`.
 pub struct SmoothJob<'a> {
     pub args: &'a SmoothArgs,
+    pub output: &'a Path,
     pub input: &'a FieldInput,
     pub output_array: &'a str,
     pub result: &'a Smoothed,
@@ -137,7 +138,7 @@ impl SmoothJob<'_> {
         let mut report = header(self.input);
         if let Value::Object(entries) = &mut report {
             entries.insert("command".into(), json!(command_line()));
-            entries.insert("output".into(), json!(self.args.output.display().to_string()));
+            entries.insert("output".into(), json!(self.output.display().to_string()));
             entries.insert("output_array".into(), json!(self.output_array));
             entries.insert("raw".into(), json!(self.args.raw));
             entries.insert("written".into(), json!(self.written));
@@ -163,14 +164,14 @@ impl SmoothJob<'_> {
             QpStatus::Infeasible(_) => "infeasible",
             QpStatus::IterationLimit => "at its iteration limit",
             QpStatus::Stalled => "stalled",
+            QpStatus::CutOff => "cut off",
         };
         let extrema = if self.audit.passed { "has exactly the wanted extrema but is" } else { "failed the audit and is" };
         Some(format!("the solver ended {status}: the field {extrema} not proven optimal (relative gap {:.1e})", solver.kkt.duality_gap))
     }
 
-    /// The summary, on standard output; a closed pipe is not an error.
-    pub fn print_summary(&self) {
-        use std::io::Write;
+    /// The summary, line by line.
+    pub fn summary(&self) -> Vec<String> {
         let report = &self.result.report;
         let (low, high) = report.data_range;
         let mut lines = vec![
@@ -267,7 +268,7 @@ impl SmoothJob<'_> {
             ),
         ));
         lines.push(("audit", audit_line(self.audit)));
-        let target = self.args.output.display();
+        let target = self.output.display();
         lines.push((
             "output",
             match self.written {
@@ -275,10 +276,16 @@ impl SmoothJob<'_> {
                 false => format!("none: {target} was not written (--keep-unaudited would)"),
             },
         ));
-        let mut stdout = std::io::stdout().lock();
-        for (what, text) in lines {
-            let _ = writeln!(stdout, "{what:<15} {text}");
-        }
+        lines.into_iter().map(|(what, text)| format!("{what:<15} {text}")).collect()
+    }
+}
+
+/// Prints lines on standard output; a closed pipe is not an error.
+pub fn print_lines(lines: &[String]) {
+    use std::io::Write;
+    let mut stdout = std::io::stdout().lock();
+    for line in lines {
+        let _ = writeln!(stdout, "{line}");
     }
 }
 
@@ -305,6 +312,7 @@ pub fn status_name(status: &QpStatus) -> &'static str {
         QpStatus::Solved => "solved",
         QpStatus::Infeasible(_) => "infeasible (the field written is feasible, not optimal)",
         QpStatus::IterationLimit => "iteration limit (the field written is feasible, not optimal)",
+        QpStatus::CutOff => "cut off (the field written is feasible, not optimal)",
         QpStatus::Stalled => "stalled (the field written is feasible, not optimal to the asked gap)",
     }
 }

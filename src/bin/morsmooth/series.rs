@@ -12,7 +12,7 @@ use morsmooth::smooth::{MeasuredField, Selected, SmoothOptions, Smoothed, Smooth
 use serde_json::{Value, json};
 
 use crate::Outcome;
-use crate::args::{EdgesKind, FieldsArgs, SelectKind, SelectionArgs, SmoothArgs, StrategyKind, TalkArgs, ValuesKind, extremum_values, fraction};
+use crate::args::{EdgesKind, FieldsArgs, LengthArgs, SelectKind, SelectionArgs, SmoothArgs, StrategyKind, TalkArgs, ValuesKind, extremum_values};
 use crate::failure::Failure;
 use crate::output::{check_output, check_target, is_same_place};
 use crate::report::{SmoothJob, write_report};
@@ -69,13 +69,9 @@ pub struct SeriesArgs {
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4))]
     pub order: u8,
 
-    /// Smoothing length as a part of the length of the axis: 2% or 0.02. Chosen from the noise by default.
-    #[arg(long, value_name = "FRACTION", value_parser = fraction, conflicts_with = "length_abs", allow_hyphen_values = true)]
-    pub length: Option<f64>,
-
-    /// Smoothing length in units of the axis, days for dates.
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
-    pub length_abs: Option<f64>,
+    /// How far noise is averaged away.
+    #[command(flatten)]
+    pub length: LengthArgs,
 
     /// Places where the series may keep a sharp corner: dates or numbers of the axis, or the words max and min.
     #[arg(long, value_name = "PLACE", value_delimiter = ',', allow_hyphen_values = true)]
@@ -173,6 +169,7 @@ pub fn run(args: &SeriesArgs) -> Result<Outcome, Failure> {
         .zip(&verdicts)
         .map(|(result, audit)| SmoothJob {
             args: &smooth_args,
+            output: &smooth_args.output,
             input: &result.series.input,
             output_array: &result.name,
             result: &result.smoothed,
@@ -195,7 +192,7 @@ pub fn run(args: &SeriesArgs) -> Result<Outcome, Failure> {
     if !args.talk.quiet {
         for (job, result) in jobs.iter().zip(&results) {
             print_series(&table, result);
-            job.print_summary();
+            crate::report::print_lines(&job.summary());
         }
     }
     Ok(if passed { Outcome::Done } else { Outcome::NotMet })
@@ -227,7 +224,6 @@ fn smooth_args(args: &SeriesArgs, all: &[Series]) -> SmoothArgs {
         keep_also: None,
         order: args.order,
         length: args.length,
-        length_abs: args.length_abs,
         confidence: None,
         smoothness: None,
         representative: StrategyKind::SmoothThenSimplify,

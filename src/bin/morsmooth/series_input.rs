@@ -1,13 +1,14 @@
 //! From a table to the series that are worked on: a polyline along one column, holes bridged or filled.
 
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use morsmooth::field::VertexId;
 use morsmooth::io::{ArrayData, DataArray, DataSet, Table, TableAxis, polyline};
 
 use crate::args::FieldArgs;
 use crate::failure::Failure;
+use crate::ground::Grounds;
 use crate::input::FieldInput;
 use crate::series::{MissingKind, SeriesArgs};
 
@@ -112,7 +113,7 @@ impl SeriesTable {
         let array = DataArray::new(name.clone(), 1, ArrayData::F64(values));
         dataset.set_point_array(array.clone());
         let field = FieldArgs { input: args.input.clone(), array: Some(name.clone()), mask: None, derive: None };
-        let mut input = FieldInput::of_array(&Rc::new(dataset), &array, &field, None)?;
+        let mut input = FieldInput::of_array(&Arc::new(dataset), &array, &field, &Grounds::of_one_file())?;
         // Rows that are bridged are no fault of the mesh.
         input.notes.clear();
         if missing > 0 {

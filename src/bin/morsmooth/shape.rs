@@ -2,17 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use morsmooth::deform::HeldVertices;
-use morsmooth::field::VertexId;
 use morsmooth::interpolate::{BoundaryValues, InterpolateOptions, Interpolator, Method};
 use morsmooth::io::{
-    ArrayData, CellArray, DataArray, DataSet, Geometry, MaskSources, domain, mask, read, read_handles, read_mesh_or_outline, region_handles,
+    ArrayData, CellArray, DataArray, DataSet, Geometry, MaskSources, domain, mask, read_handles, read_mesh_or_outline, region_handles,
 };
-use morsmooth::mesh::{AttachOptions, AttachedHandles, Domain, Handle, HandleSet, HandleShape, OutlineOptions, Pose, Size, SimplicialComplex};
+use morsmooth::mesh::{AttachOptions, AttachedHandles, Domain, HandleError, HandleSet, Pose, SimplicialComplex};
 use morsmooth::plot::Photograph;
 
+use crate::args::{MethodKind, OutlineArgs};
 use crate::failure::Failure;
+use crate::weight_arrays::{Mesh, WeightFile, rows};
 
 /// The shape and what moves it.
 #[derive(Debug, Clone, Args)]
@@ -34,33 +35,20 @@ pub struct RigArgs {
     pub weights_prefix: String,
 
     /// How weights are computed.
-    #[arg(long, value_enum, default_value_t = WeightKind::Monotone, conflicts_with = "weights")]
-    pub weight_method: WeightKind,
+    #[arg(long, value_enum, default_value_t = MethodKind::Monotone, conflicts_with = "weights")]
+    pub weight_method: MethodKind,
 
     /// Order of the energy of computed weights, 1 to 4.
     #[arg(long, value_name = "K", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=4), conflicts_with = "weights")]
     pub weight_order: u8,
 
-    /// Longest edge of the triangles in an outline (.csv), as a part of its diagonal: 2% or 0.02.
-    #[arg(long, value_name = "FRACTION", default_value = "2%", value_parser = crate::args::fraction)]
-    pub max_edge: f64,
+    /// How an outline is filled.
+    #[command(flatten)]
+    pub outline: OutlineArgs,
 
     /// Triangles into which a photograph is cut, about.
     #[arg(long, value_name = "N", default_value_t = 60_000, value_parser = clap::value_parser!(u32).range(2..=20_000_000))]
     pub triangles: u32,
-}
-
-/// Values of `--weight-method`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum WeightKind {
-    /// No extremum but at handles.
-    Monotone,
-    /// Within 0 and 1.
-    Bounded,
-    /// Least Dirichlet energy, whatever the order.
-    Harmonic,
-    /// Least energy, no other constraint.
-    Polyharmonic,
 }
 
 /// A shape at rest.
@@ -103,8 +91,7 @@ impl Shape {
             let complex = photograph.triangulation(args.triangles as usize).map_err(|error| Failure::file(path, error))?;
             (triangles(&complex), Some(photograph))
         } else {
-            let options = OutlineOptions { max_edge: Size::Fraction(args.max_edge), ..OutlineOptions::default() };
-            (read_mesh_or_outline(path, &options).map_err(|error| fail(&error))?, None)
+            (read_mesh_or_outline(path, &args.outline.options()).map_err(|error| fail(&error))?, None)
         };
         if matches!(dataset.geometry, Geometry::ImageData { .. } | Geometry::RectilinearGrid { .. }) {
             let text = format!("found {}, whose points cannot move; expected a mesh", dataset.geometry.name());
@@ -145,11 +132,18 @@ impl Rig {
             (None, None) => return Err(Failure::usage("found no handles; expected --handles FILE or --handle-array NAME")),
         };
         let source = args.handles.as_deref().unwrap_or(&shape.path);
-        let set = on_vertices(set, shape, source)?;
-        let attached = set.attach(shape.complex(), &AttachOptions::default()).map_err(|error| Failure::file(source, error))?;
+        let told = |error: HandleError| Failure::file(source, error);
+        // Regions of a file count points; what follows counts vertices.
+        let set = set.renumbered(shape.domain.vertex_of_point()).map_err(told)?;
+        let attached = set.attach(shape.complex(), &AttachOptions::default()).map_err(told)?;
         let held = held(&attached);
         let (weights, source) = match &args.weights {
-            Some(path) => (from_file(shape, path, &args.weights_prefix, attached.names())?, path.display().to_string()),
+            Some(path) => {
+                let mesh = Mesh { path: &shape.path, dataset: &shape.dataset, domain: &shape.domain };
+                let file = WeightFile::read(path, &mesh, &args.outline.options())?;
+                let columns = file.columns(attached.names(), ("--weights-prefix", &args.weights_prefix))?;
+                (rows(&columns), path.display().to_string())
+            }
             None => computed(shape, args, &attached)?,
         };
         Ok(Self { set, attached, held, weights, source })
@@ -171,27 +165,6 @@ impl Rig {
     }
 }
 
-/// Regions of a file count points; what follows counts vertices.
-fn on_vertices(set: HandleSet, shape: &Shape, source: &Path) -> Result<HandleSet, Failure> {
-    let vertex_of_point = shape.domain.vertex_of_point();
-    let region = |name: &str, points: Vec<VertexId>| -> Result<Vec<VertexId>, Failure> {
-        let vertex = |point: VertexId| match vertex_of_point.get(point.index()) {
-            Some(Some(vertex)) => Ok(*vertex),
-            Some(None) => Err(format!("point {point} of region \"{name}\" is the corner of no element; expected one that is")),
-            None => Err(format!("region \"{name}\" names point {point}; expected less than {}", vertex_of_point.len())),
-        };
-        points.into_iter().map(|point| vertex(point).map_err(|text| Failure::file(source, text))).collect()
-    };
-    let handles = set.handles.into_iter().map(|Handle { name, shape }| {
-        let shape = match shape {
-            HandleShape::Region(points) => HandleShape::Region(region(&name, points)?),
-            other => other,
-        };
-        Ok(Handle { name, shape })
-    });
-    Ok(HandleSet { handles: handles.collect::<Result<_, Failure>>()?, cage_edges: set.cage_edges })
-}
-
 /// Own vertices of the handles, then shared ones, in the order of [`Rig::targets`].
 fn held(attached: &AttachedHandles) -> HeldVertices {
     let own = attached.vertices().iter().enumerate();
@@ -201,41 +174,12 @@ fn held(attached: &AttachedHandles) -> HeldVertices {
     HeldVertices { vertices, owners, names: attached.names().to_vec() }
 }
 
-fn from_file(shape: &Shape, path: &Path, prefix: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
-    let dataset = read(path).map_err(|error| Failure::usage(error.to_string()))?;
-    let (found, expected) = (dataset.point_count(), shape.domain.point_count());
-    if found != expected {
-        return Err(Failure::file(path, format!("found weights on {found} points; {} has {expected}", shape.path.display())));
-    }
-    let mut columns = Vec::with_capacity(names.len());
-    for name in names {
-        let array = format!("{prefix}{name}");
-        let Some(values) = dataset.point_array(&array).filter(|values| values.components == 1) else {
-            let known: Vec<&str> = dataset.point_data.arrays.iter().map(|array| array.name.as_str()).collect();
-            let text = format!("found no scalar point array '{array}' with the weights of handle \"{name}\"; point arrays: {}", known.join(", "));
-            return Err(Failure::file(path, text).hint("--weights-prefix names what comes before the name of a handle"));
-        };
-        let values = shape.domain.restrict(&values.to_f64(0));
-        if let Some(vertex) = values.iter().position(|value| !value.is_finite()) {
-            let point = shape.domain.point_of_vertex()[vertex];
-            return Err(Failure::file(path, format!("array {array} is {} at point {point}; expected a finite number", values[vertex])));
-        }
-        columns.push(values);
-    }
-    Ok(rows(&columns))
-}
-
 fn computed(shape: &Shape, args: &RigArgs, attached: &AttachedHandles) -> Result<(Vec<f64>, String), Failure> {
     let count = attached.len();
     if count == 1 {
         return Ok((vec![1.0; shape.complex().vertex_count()], "one handle has all the weight".to_owned()));
     }
-    let method = match args.weight_method {
-        WeightKind::Monotone => Method::Monotone,
-        WeightKind::Bounded => Method::Bounded,
-        WeightKind::Harmonic => Method::Harmonic,
-        WeightKind::Polyharmonic => Method::Polyharmonic,
-    };
+    let method = args.weight_method.method();
     let fail = |error: &dyn std::fmt::Display| Failure::file(&shape.path, format!("no weights: {error}"));
     let given: Vec<BoundaryValues> = (0..count).map(|handle| attached.boundary_values(handle).into()).collect();
     let found = Interpolator::new(shape.complex(), usize::from(args.weight_order))
@@ -244,10 +188,4 @@ fn computed(shape: &Shape, args: &RigArgs, attached: &AttachedHandles) -> Result
     let columns: Vec<Vec<f64>> = found.into_iter().map(|found| found.values).collect();
     let order = if method == Method::Harmonic { 1 } else { args.weight_order };
     Ok((rows(&columns), format!("computed, {method}, order {order}")))
-}
-
-/// From one list a handle to one row a vertex.
-fn rows(columns: &[Vec<f64>]) -> Vec<f64> {
-    let vertices = columns.first().map_or(0, Vec::len);
-    (0..vertices).flat_map(|vertex| columns.iter().map(move |column| column[vertex])).collect()
 }

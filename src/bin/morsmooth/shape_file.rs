@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use morsmooth::audit::{OrientationReport, Precision, orientations};
-use morsmooth::io::{
-    ArrayData, DataArray, DataSet, Geometry, GeometryKind, PendingFile, losses, read, reshape, write_temporary,
-};
+use morsmooth::audit::{OrientationReport, orientations};
+use morsmooth::field::Precision;
+use morsmooth::io::{ArrayData, DataArray, PendingFile, set_positions};
+use morsmooth::plot::Photograph;
 use serde_json::{Value, json};
 
+use crate::beside::{fitting, read_back, with_vertices, write_beside, write_image};
 use crate::failure::Failure;
 use crate::posed::Posed;
 use crate::shape::Shape;
@@ -24,21 +25,18 @@ pub struct Written {
 
 /// Writes a posed shape beside `output`, and judges the points that are in the file then.
 pub fn write_and_audit(output: &Path, shape: &Shape, posed: &Posed, folded: &[usize]) -> Result<Written, Failure> {
-    let fail = |error: &dyn std::fmt::Display| Failure::usage(error.to_string());
-    let mut dataset = with_points(&shape.dataset, shape, &posed.points);
+    let mut dataset = shape.dataset.clone();
+    let places = with_vertices(dataset.points_f64(), &shape.domain, &posed.points);
+    set_positions(&mut dataset, &places).map_err(|text| Failure::file(&shape.path, text))?;
     for array in cell_arrays(shape, posed) {
         dataset.cell_data.set(array);
     }
-    let extension = output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    if let Some(kind) = GeometryKind::of_extension(extension) {
-        dataset = reshape(dataset, kind).map_err(|error| Failure::file(output, error))?;
-    }
-    let lost = losses(output, &dataset).map_err(|error| fail(&error))?;
-    let pending = write_temporary(output, &dataset).map_err(|error| fail(&error))?;
+    let dataset = fitting(dataset, output)?;
+    let (pending, lost) = write_beside(output, &dataset)?;
     drop(dataset);
-    let path = pending.path();
-    let written = read(path).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
+    let written = read_back(&pending)?;
     if written.point_count() != shape.domain.point_count() {
+        let extension = output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
         let text = format!(
             "the format .{extension} does not keep the numbers of points ({} of {} are left); expected another one",
             written.point_count(),
@@ -52,31 +50,19 @@ pub fn write_and_audit(output: &Path, shape: &Shape, posed: &Posed, folded: &[us
     Ok(Written { pending, audit, lost })
 }
 
+/// Writes a photograph, carried along by a posed shape, beside `output`.
+pub fn write_warped(output: &Path, photograph: &Photograph, shape: &Shape, posed: &Posed) -> Result<PendingFile, Failure> {
+    let warped = photograph.warped(shape.complex(), &posed.points).map_err(|error| Failure::file(output, error))?;
+    let [width, height] = warped.size().map(|pixels| pixels as u32);
+    write_image(output, (width, height), warped.pixels().as_flattened())
+}
+
 /// The orientations of all elements at some places, in both precisions.
 pub fn judge(shape: &Shape, folded: &[usize], points: &[[f64; 3]]) -> Result<[OrientationReport; 2], Failure> {
     let judge = |precision| {
         orientations(shape.complex(), folded, points, precision).map_err(|error| Failure::file(&shape.path, error))
     };
-    Ok([judge(Precision::Double)?, judge(Precision::Single)?])
-}
-
-/// The data set with the points of the domain elsewhere, in the numbers of the file.
-fn with_points(dataset: &DataSet, shape: &Shape, vertices: &[[f64; 3]]) -> DataSet {
-    let mut dataset = dataset.clone();
-    let mut places = dataset.points_f64();
-    for (&point, place) in shape.domain.point_of_vertex().iter().zip(vertices) {
-        places[point as usize] = *place;
-    }
-    let numbers = places.into_iter().flatten();
-    if let Geometry::PolyData { points, .. } | Geometry::UnstructuredGrid { points, .. } | Geometry::StructuredGrid { points, .. } =
-        &mut dataset.geometry
-    {
-        points.data = match points.data {
-            ArrayData::F32(_) => ArrayData::F32(numbers.map(|number| number as f32).collect()),
-            _ => ArrayData::F64(numbers.collect()),
-        };
-    }
-    dataset
+    Ok([judge(Precision::F64)?, judge(Precision::F32)?])
 }
 
 /// `det_F`, `smallest_eigenvalue`, `energy_density` and `active_constraint` of every cell.

@@ -1,21 +1,23 @@
 //! A domain without a field of its own: a mesh, an image, an outline that is filled, or a series.
 
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use morsmooth::field::VertexId;
-use morsmooth::io::{ArrayData, DataArray, DataSet, GeometryKind, Table, outline_dataset, read, reshape};
+use morsmooth::io::{ArrayData, DataArray, DataSet, Table, outline_dataset, read};
 use morsmooth::mesh::SimplicialComplex;
 
 use crate::args::{FieldArgs, OutlineArgs};
 use crate::failure::Failure;
+use crate::ground::Grounds;
 use crate::input::FieldInput;
 
 /// Reads a file; a table with columns x and y, or without a header, is an outline, and any other table a series.
 pub fn load(path: &Path, outline: &OutlineArgs) -> Result<DataSet, Failure> {
     let told = |error: morsmooth::io::IoError| Failure::usage(error.to_string());
     let is_table = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
-    if is_table && is_outline(&Table::read(path).map_err(told)?) {
+    // What is wrong with a table is said where it is read for good.
+    if is_table && Table::read_list(path).is_ok_and(|table| is_outline(&table)) {
         return outline_dataset(path, &outline.options()).map_err(told);
     }
     read(path).map_err(told)
@@ -23,17 +25,8 @@ pub fn load(path: &Path, outline: &OutlineArgs) -> Result<DataSet, Failure> {
 
 fn is_outline(table: &Table) -> bool {
     let has = |name: &str| table.names().iter().any(|own| own.eq_ignore_ascii_case(name));
-    let is_pair = table.width() >= 2 && table.column("column_1").is_some() && table.numbers(0).is_ok() && table.numbers(1).is_ok();
+    let is_pair = table.width() >= 2 && !table.has_header() && table.numbers(0).is_ok() && table.numbers(1).is_ok();
     has("x") && has("y") || is_pair
-}
-
-/// The data set as the kind of geometry that a file of this name holds.
-pub fn fitting(dataset: DataSet, output: &Path) -> Result<DataSet, Failure> {
-    let extension = output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    match GeometryKind::of_extension(extension) {
-        Some(kind) => reshape(dataset, kind).map_err(|error| Failure::file(output, error)),
-        None => Ok(dataset),
-    }
 }
 
 /// The domain of a data set, with results to be called `name`.
@@ -44,8 +37,8 @@ pub fn domain(path: &Path, dataset: DataSet, mask: Option<&String>, name: &str) 
     let args = FieldArgs { input: path.to_owned(), array: None, mask: mask.cloned(), derive: None };
     let mut numbered = dataset.clone();
     numbered.set_point_array(array.clone());
-    let mut input = FieldInput::of_array(&Rc::new(numbered), &array, &args, None)?;
-    input.dataset = Rc::new(dataset);
+    let mut input = FieldInput::of_array(&Arc::new(numbered), &array, &args, &Grounds::of_one_file())?;
+    input.dataset = Arc::new(dataset);
     // Points outside have no value.
     input.on_points.iter_mut().for_each(|value| *value = f64::NAN);
     Ok(input)

@@ -5,21 +5,19 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use morsmooth::audit::{PlateauReport, audit_plateaus};
-use morsmooth::field::VertexId;
+use morsmooth::field::{Precision, VertexId};
 use morsmooth::interpolate::{
-    BoundaryValues, Guide, InterpolateError, InterpolateOptions, Interpolator, Mass, Method, Partition, SkinningWeights, WeightOptions,
-    skinning_weights,
+    BoundaryValues, InterpolateError, InterpolateOptions, Interpolator, Mass, Partition, SkinningWeights, WeightOptions, skinning_weights,
 };
 use morsmooth::io::{
-    ArrayData, DataArray, DataSet, GeometryKind, PendingFile, domain, is_same_file, read, read_handles, read_mesh_or_outline,
-    region_handles, reshape, write_temporary,
+    ArrayData, DataArray, DataSet, PendingFile, domain, is_same_file, read_handles, read_mesh_or_outline, region_handles, write_temporary,
 };
 use morsmooth::mesh::{AttachOptions, AttachedHandles, Domain, HandleSet, Mask, MeshFault, check, folds};
-use morsmooth::monotone::Precision;
 use morsmooth::operators::OperatorError;
 
 use crate::Outcome;
-use crate::args::{OutlineArgs, TalkArgs};
+use crate::args::{GuideKind, MethodKind, OutlineArgs, TalkArgs};
+use crate::beside::{fitting, read_back};
 use crate::failure::Failure;
 use crate::output::{check_directory, check_output};
 use crate::report::write_report;
@@ -109,19 +107,6 @@ pub struct WeightsArgs {
     pub talk: TalkArgs,
 }
 
-/// Values of `--method`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MethodKind {
-    /// Least Dirichlet energy.
-    Harmonic,
-    /// Least energy of the order, no other constraint.
-    Polyharmonic,
-    /// Least energy within 0 and 1: order 2 are bounded biharmonic weights.
-    Bounded,
-    /// Least energy without any extremum but at handles.
-    Monotone,
-}
-
 /// Values of `--partition`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PartitionKind {
@@ -140,17 +125,6 @@ pub enum MassKind {
     Voronoi,
     /// Equal shares.
     Barycentric,
-}
-
-/// Values of `--representative`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum GuideKind {
-    /// For orders 1 and 2 the polyharmonic weights, simplified; for 3 and 4 both, and what has less energy.
-    Automatic,
-    /// The polyharmonic weights, simplified.
-    SmoothThenSimplify,
-    /// The harmonic weights.
-    Harmonic,
 }
 
 fn parse_precision(text: &str) -> Result<u8, String> {
@@ -249,18 +223,9 @@ impl WeightsArgs {
 
     fn options(&self) -> WeightOptions {
         WeightOptions {
-            method: match self.method {
-                MethodKind::Harmonic => Method::Harmonic,
-                MethodKind::Polyharmonic => Method::Polyharmonic,
-                MethodKind::Bounded => Method::Bounded,
-                MethodKind::Monotone => Method::Monotone,
-            },
+            method: self.method.method(),
             function: InterpolateOptions {
-                guide: match self.representative {
-                    GuideKind::Automatic => Guide::Automatic,
-                    GuideKind::SmoothThenSimplify => Guide::SmoothThenSimplify,
-                    GuideKind::Harmonic => Guide::Harmonic,
-                },
+                guide: self.representative.guide(),
                 refine: self.refine,
                 precision: self.width(),
                 bounds: Some((0.0, 1.0)),
@@ -343,11 +308,7 @@ impl Scene {
 
     /// Writes the arrays into a copy of the mesh file beside the output, and judges what is in it then.
     fn write_and_audit(&self, args: &WeightsArgs, found: &SkinningWeights) -> Result<(PendingFile, Vec<PlateauReport>), Failure> {
-        let mut dataset = self.dataset.clone();
-        let extension = args.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-        if let Some(kind) = GeometryKind::of_extension(extension) {
-            dataset = reshape(dataset, kind).map_err(|error| Failure::file(&args.output, error))?;
-        }
+        let mut dataset = fitting(self.dataset.clone(), &args.output)?;
         for (handle, weights) in found.weights.iter().enumerate() {
             let mut on_points = vec![0.0; self.domain.point_count()];
             self.domain.extend(weights, &mut on_points);
@@ -368,7 +329,7 @@ impl Scene {
         let pending = write_temporary(&args.output, &dataset).map_err(|error| Failure::usage(error.to_string()))?;
         drop(dataset);
         let path = pending.path();
-        let written = read(path).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
+        let written = read_back(&pending)?;
         let judged = (0..found.weights.len()).map(|handle| {
             let name = self.array_name(args, handle);
             let array = written.point_array(&name).ok_or_else(|| {

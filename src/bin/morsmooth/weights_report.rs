@@ -10,9 +10,10 @@ use morsmooth::plot::{FieldView, PictureOptions, field_picture};
 use morsmooth::qp::QpStatus;
 use serde_json::{Value, json};
 
+use crate::args::MethodKind;
 use crate::failure::Failure;
 use crate::report::command_line;
-use crate::weights::{MethodKind, Scene, WeightsArgs};
+use crate::weights::{Scene, WeightsArgs};
 
 /// A run that found weights.
 pub struct WeightsJob<'a> {
@@ -128,7 +129,7 @@ impl WeightsJob<'_> {
         let complex = &self.scene.domain.complex;
         let method = match self.args.method {
             MethodKind::Harmonic => "harmonic".to_owned(),
-            other => format!("{} of order {}", format!("{other:?}").to_lowercase(), self.args.order),
+            other => format!("{} of order {}", other.method(), self.args.order),
         };
         let _ = writeln!(
             out,

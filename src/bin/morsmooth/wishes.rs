@@ -38,13 +38,26 @@ pub fn wishes(args: &SelectionArgs, input: &FieldInput) -> Result<Vec<Wish>, Fai
         }
     }
     match wishes.as_mut_slice() {
-        [] => Err(Failure::usage("found no wanted extrema; expected one of --persistence, --persistence-abs, --extrema, --keep")
-            .hint("'morsmooth persistence FILE' shows what each threshold would leave; --persistence 10% is a good start")),
+        [] => Err(none_wanted()),
         [only] => {
             only.ending.clear();
             Ok(wishes)
         }
         _ => Ok(wishes),
+    }
+}
+
+fn none_wanted() -> Failure {
+    Failure::usage("found no wanted extrema; expected one of --persistence, --persistence-abs, --extrema, --keep")
+        .hint("'morsmooth persistence FILE' shows what each threshold would leave; --persistence 10% is a good start")
+}
+
+/// Refuses a run that wants nothing, before any file is read.
+pub fn check_any(args: &SelectionArgs) -> Result<(), Failure> {
+    let SelectionArgs { persistence, persistence_abs, extrema, keep } = args;
+    match persistence.is_empty() && persistence_abs.is_empty() && extrema.is_empty() && keep.is_none() {
+        true => Err(none_wanted()),
+        false => Ok(()),
     }
 }
 

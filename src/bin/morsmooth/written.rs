@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use morsmooth::audit::{AuditReport, Plateaus, Wanted, audit, moved_values};
-use morsmooth::field::VertexId;
-use morsmooth::io::{ArrayData, DataArray, PendingFile, read, write_temporary};
-use morsmooth::monotone::{Precision, ValueRule};
+use morsmooth::field::{Precision, VertexId};
+use morsmooth::io::{ArrayData, DataArray, PendingFile, write_temporary};
+use morsmooth::monotone::ValueRule;
 use morsmooth::morse::WantedExtrema;
 
+use crate::beside::read_back;
 use crate::failure::Failure;
 use crate::input::FieldInput;
 
@@ -53,7 +54,7 @@ pub fn write_and_audit(
     let pending = write_temporary(output, &dataset).map_err(|error| Failure::usage(error.to_string()))?;
     drop(dataset);
     let path = pending.path();
-    let written = read(path).map_err(|error| Failure::usage(format!("the file just written cannot be read back: {error}")))?;
+    let written = read_back(&pending)?;
     let verdicts: Result<Vec<AuditReport>, Failure> = results
         .iter()
         .map(|result| {

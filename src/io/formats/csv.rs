@@ -3,6 +3,7 @@
 //! The separator is found in the first row: a tab, else a semicolon, else a comma. Lines that begin with `#` are comments. A
 //! first row with any word that is neither a number nor a date is the header.
 
+use std::borrow::Cow;
 use std::io::Write;
 
 use csv::{ByteRecord, QuoteStyle, ReaderBuilder, WriterBuilder};
@@ -14,6 +15,24 @@ use crate::io::error::{Fault, Place, quoted};
 use super::table::{Row, Table, Value};
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// The same text with tabs in the place of blanks, if no row has another separator.
+///
+/// Lists of numbers are often separated by blanks; titles and names have blanks within.
+pub(super) fn without_blanks(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    let lines = || bytes.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let is_row = |line: &&[u8]| !line.starts_with(b"#");
+    let has_separator = |line: &[u8]| line.iter().any(|byte| matches!(byte, b',' | b';' | b'\t'));
+    if lines().filter(is_row).any(has_separator) {
+        return Cow::Borrowed(bytes);
+    }
+    let separated = |line: &[u8]| match is_row(&line) {
+        true => line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect::<Vec<_>>().join(&b'\t'),
+        false => line.to_vec(),
+    };
+    Cow::Owned(lines().map(separated).collect::<Vec<_>>().join(&b'\n'))
+}
 
 /// Reads a table; every row has as many cells as the first one.
 pub(super) fn read(bytes: &[u8]) -> Result<Table, Fault> {

@@ -1,5 +1,6 @@
 //! A table of text: named columns, rows of cells as they stand in a file, and the numbers or dates that they mean.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::io::dataset::DataSet;
@@ -130,6 +131,21 @@ impl Table {
         csv::read(bytes).map(|table| Self { path: path.to_owned(), ..table }).map_err(|fault| fault.in_file(path))
     }
 
+    /// As [`Table::read`]; where no row has a separator, blanks between numbers and words are it.
+    ///
+    /// # Errors
+    /// As [`Table::read`].
+    pub fn read_list(path: impl AsRef<Path>) -> Result<Self, IoError> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|source| IoError::Read { path: path.to_owned(), source })?;
+        Self::parse(path, &csv::without_blanks(&bytes))
+    }
+
+    /// Whether the first row named the columns.
+    pub fn has_header(&self) -> bool {
+        self.has_header
+    }
+
     /// The names of the columns.
     pub fn names(&self) -> &[String] {
         &self.names
@@ -160,6 +176,16 @@ impl Table {
         self.rows[row].line
     }
 
+    /// The rows between empty lines. Comments end no part.
+    pub fn parts(&self) -> Vec<Range<usize>> {
+        let comments = |row: usize| self.comments.iter().filter(|(above, _)| *above == row).count();
+        let lines = |row: &Row| 1 + row.cells.iter().map(|cell| cell.matches('\n').count()).sum::<usize>();
+        let is_apart = |&row: &usize| self.rows[row].line > self.rows[row - 1].line + lines(&self.rows[row - 1]) + comments(row);
+        let begins: Vec<usize> = (0..self.len().min(1)).chain((1..self.len()).filter(is_apart)).collect();
+        let ends = begins.iter().skip(1).copied().chain([self.len()]);
+        begins.iter().zip(ends).map(|(&begin, end)| begin..end).collect()
+    }
+
     /// The column of a name.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|own| own == name)
@@ -174,7 +200,7 @@ impl Table {
         self.numbers_or_fault(column).map_err(|fault| fault.in_file(&self.path))
     }
 
-    pub(super) fn numbers_or_fault(&self, column: usize) -> Result<Vec<f64>, Fault> {
+    pub(in crate::io) fn numbers_or_fault(&self, column: usize) -> Result<Vec<f64>, Fault> {
         let mut mark: Option<(char, usize)> = None;
         let mut value = |row: &Row| {
             let cell = row.cells[column].as_str();

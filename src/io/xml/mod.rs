@@ -10,7 +10,7 @@ mod piece;
 mod write;
 
 pub(super) use document::{Source, reaches_raw_data};
-pub(super) use index::{Index, Reference, index};
+pub(super) use index::{INDEX_MARKS, Index, Listing, Reference, index};
 pub(super) use merge::merge;
 pub(super) use piece::read;
 pub(super) use write::write;

@@ -1,6 +1,7 @@
 //! Optimality of a point and its multipliers, measured on the problem as given.
 
 use super::blocks::Blocks;
+use crate::qp::kkt::backward_error;
 use crate::qp::product::{Scratch, add, dot, largest};
 use crate::qp::{Certificate, Engine, KktResiduals, Problem, Settings};
 
@@ -52,12 +53,16 @@ pub(super) fn measured(
     let mut balance = vec![0.0; x.len()];
     objective.addends_into(x, &mut balance, &mut scratch);
     engine.mask(&mut balance);
+    let mut sizes = balance.clone();
     let addends = largest(&balance);
     let (value, unit) = unit(problem, x, &mut scratch);
     objective.product_into(x, &mut balance, &mut scratch);
     add(&mut balance, 1.0, &objective.linear);
     transposed(problem, z, forces);
     add(&mut balance, -1.0, forces);
+    for ((size, force), q) in sizes.iter_mut().zip(&*forces).zip(&objective.linear) {
+        *size += force.abs() + q.abs();
+    }
     let (mut residual, mut force) = (0.0f64, 0.0f64);
     for (index, &fixed) in engine.is_fixed.iter().enumerate() {
         let off = balance[index].abs();
@@ -68,6 +73,7 @@ pub(super) fn measured(
             force = force.max(forces[index].abs()).max(1e-3 * objective.linear[index].abs());
         }
     }
+    engine.mask(&mut balance);
     let relative = |value: f64, unit: f64| if value == 0.0 { 0.0 } else { value / unit.max(f64::MIN_POSITIVE) };
     let rows = row_size(problem, x);
     Measured {
@@ -76,6 +82,7 @@ pub(super) fn measured(
         kkt: KktResiduals {
             stationarity: relative(residual, force),
             rounding: relative(4.0 * f64::EPSILON * addends, force),
+            backward: backward_error(&balance, &sizes),
             primal: relative(-blocks.violation(s), rows),
             complementarity: relative(blocks.largest_product(s, z), unit),
             // Nothing below an ulp of the objective can be told.

@@ -1,7 +1,8 @@
 //! Orientations by exact predicates: against whole-number arithmetic, on borderline cases, and refusals.
 
 use crate::deform::scenes;
-use morsmooth::audit::{OrientationError, Precision, orientations};
+use morsmooth::audit::{OrientationError, orientations};
+use morsmooth::field::Precision;
 use morsmooth::mesh::SimplicialComplex;
 use proptest::prelude::*;
 
@@ -14,7 +15,7 @@ const RIGHT: [[f64; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 #[test]
 fn a_mesh_at_rest_is_clean_whatever_the_order_of_corners() {
     for complex in [scenes::square(5), scenes::solid([3, 2, 4], 0.25, |_| true)] {
-        for precision in [Precision::Double, Precision::Single] {
+        for precision in [Precision::F64, Precision::F32] {
             let report = orientations(&complex, &[], complex.points(), precision).unwrap();
             assert!(report.is_clean() && (report.smallest - 1.0).abs() < 1e-5, "{report:?}");
             assert_eq!(report.elements, complex.simplex_count());
@@ -22,7 +23,7 @@ fn a_mesh_at_rest_is_clean_whatever_the_order_of_corners() {
         let swapped: Vec<u32> =
             complex.simplices().chunks(complex.dimension() + 1).flat_map(|c| [&[c[1], c[0]], &c[2..]].concat()).collect();
         let turned = SimplicialComplex::new(complex.dimension(), complex.points().to_vec(), swapped).unwrap();
-        assert!(orientations(&turned, &[], turned.points(), Precision::Double).unwrap().is_clean());
+        assert!(orientations(&turned, &[], turned.points(), Precision::F64).unwrap().is_clean());
     }
 }
 
@@ -31,10 +32,10 @@ fn a_mirrored_mesh_is_inverted_everywhere_unless_all_was_folded() {
     let complex = scenes::solid([2; 3], 0.5, |_| true);
     let mirrored: Vec<[f64; 3]> = complex.points().iter().map(|&[x, y, z]| [x, y, -z]).collect();
     let all: Vec<usize> = (0..complex.simplex_count()).collect();
-    let report = orientations(&complex, &[], &mirrored, Precision::Double).unwrap();
+    let report = orientations(&complex, &[], &mirrored, Precision::F64).unwrap();
     assert_eq!(report.inverted, all);
     assert!((report.smallest + 1.0).abs() < 1e-12);
-    assert!(orientations(&complex, &all, &mirrored, Precision::Double).unwrap().is_clean());
+    assert!(orientations(&complex, &all, &mirrored, Precision::F64).unwrap().is_clean());
 }
 
 #[test]
@@ -42,9 +43,9 @@ fn what_only_rounding_inverts_is_found_in_single_precision() {
     // The third corner is above the diagonal by less than a unit of single precision: rounded, it falls onto it.
     let rest = triangle([[0.0; 3], [1.0, 1.0, 0.0], [0.5, 0.75, 0.0]]);
     let thin = [[0.0; 3], [1.0, 1.0, 0.0], [0.5, 0.5 + 1e-12, 0.0]];
-    let double = orientations(&rest, &[], &thin, Precision::Double).unwrap();
+    let double = orientations(&rest, &[], &thin, Precision::F64).unwrap();
     assert!(double.is_clean() && double.smallest > 0.0 && double.smallest < 1e-10);
-    let single = orientations(&rest, &[], &thin, Precision::Single).unwrap();
+    let single = orientations(&rest, &[], &thin, Precision::F32).unwrap();
     assert_eq!((single.degenerate.as_slice(), single.inverted.as_slice(), single.smallest), (&[0][..], &[][..], 0.0));
 }
 
@@ -56,7 +57,7 @@ fn the_sign_is_exact_where_the_rounded_determinant_says_nothing() {
     for steps in 0..40u32 {
         let y = f64::from_bits(12f64.to_bits() + u64::from(steps));
         let points = [[0.5, 0.5, 0.0], [place, y, 0.0], [24.0, 24.0, 0.0]];
-        let report = orientations(&rest, &[], &points, Precision::Double).unwrap();
+        let report = orientations(&rest, &[], &points, Precision::F64).unwrap();
         // Twice the area is 23.5 (x - y): a point above the line y = x turns the triangle over.
         let wanted = (place - y).partial_cmp(&0.0).unwrap();
         let found = if report.degenerate == [0] { std::cmp::Ordering::Equal } else { report.smallest.partial_cmp(&0.0).unwrap() };
@@ -69,12 +70,12 @@ fn refusals_name_the_place() {
     let rest = triangle(RIGHT);
     let line = SimplicialComplex::new(1, vec![[0.0; 3], [1.0, 0.0, 0.0]], vec![0, 1]).unwrap();
     let judge = |points: &[[f64; 3]], precision| orientations(&rest, &[], points, precision).unwrap_err();
-    assert_eq!(orientations(&line, &[], line.points(), Precision::Double), Err(OrientationError::Dimension { found: 1 }));
-    assert_eq!(judge(&RIGHT[..2], Precision::Double), OrientationError::Length { expected: 3, found: 2 });
+    assert_eq!(orientations(&line, &[], line.points(), Precision::F64), Err(OrientationError::Dimension { found: 1 }));
+    assert_eq!(judge(&RIGHT[..2], Precision::F64), OrientationError::Length { expected: 3, found: 2 });
     let mut points = RIGHT;
     points[1][1] = 1e39;
-    assert!(orientations(&rest, &[], &points, Precision::Double).is_ok());
-    let found = judge(&points, Precision::Single);
+    assert!(orientations(&rest, &[], &points, Precision::F64).is_ok());
+    let found = judge(&points, Precision::F32);
     assert_eq!(found, OrientationError::NotFinite { vertex: 1, axis: 1, value: 1e39 });
     assert_eq!(found.to_string(), "coordinate 1 of vertex 1 is 1000000000000000000000000000000000000000; a finite number was expected");
 }
@@ -92,7 +93,7 @@ proptest! {
         let volume = side(1, 0) * (side(2, 1) * side(3, 2) - side(2, 2) * side(3, 1))
             - side(1, 1) * (side(2, 0) * side(3, 2) - side(2, 2) * side(3, 0))
             + side(1, 2) * (side(2, 0) * side(3, 1) - side(2, 1) * side(3, 0));
-        let report = orientations(&solid, &[], &points, Precision::Single).unwrap();
+        let report = orientations(&solid, &[], &points, Precision::F32).unwrap();
         prop_assert_eq!(report.inverted.len(), usize::from(volume < 0));
         prop_assert_eq!(report.degenerate.len(), usize::from(volume == 0));
         prop_assert!((report.smallest - volume as f64).abs() <= 1e-12 * volume.abs() as f64);

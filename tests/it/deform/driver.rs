@@ -2,7 +2,7 @@
 
 use super::scenes::{self, Load, Scene};
 use morsmooth::deform::{
-    Begin, DeformError, DeformOptions, DeformSolver, DeformStatus, Deformed, FactorChoice, HeldVertices, Hold, OnContradiction, RestShape,
+    Begin, Comparison, DeformError, DeformOptions, DeformSolver, DeformStatus, Deformed, FactorChoice, HeldVertices, Hold, OnContradiction, RestShape,
     SolveMethod, SolveOptions, Substitute,
 };
 use morsmooth::mesh::SimplicialComplex;
@@ -123,6 +123,51 @@ fn a_warm_start_ends_at_the_same_energy_in_fewer_factorizations() {
     assert!(warm.is_certified() && cold.is_certified());
     assert!((warm.energy.total() / cold.energy.total() - 1.0).abs() < 2e-6);
     assert!(warm.effort.factorizations < cold.effort.factorizations, "{} {}", warm.effort.factorizations, cold.effort.factorizations);
+}
+
+#[test]
+fn a_shape_that_only_moves_as_a_whole_is_certified_without_energy() {
+    let soft = DeformOptions::default();
+    for (scene, options) in [(scenes::quad(12), soft), (scenes::quad(12), HARD), (scenes::ball(5), soft), (scenes::bar(8, 2, 90.0), HARD)] {
+        let turned = |angle: f64, shift: f64| {
+            let matrix = scenes::turn(angle);
+            let move_point = move |point: [f64; 3]| scenes::rotated(&matrix, point).map(|x| x + shift);
+            (matrix, move_point)
+        };
+        for (angle, shift) in [(0.0, 0.0), (0.7, 3.0), (-2.0, 0.001)] {
+            let (matrix, place) = turned(angle, shift);
+            let rotations = vec![matrix; scene.rotations.len()];
+            let targets: Vec<[f64; 3]> = scene.handles.iter().map(|&vertex| place(scene.complex.point(vertex))).collect();
+            for begin in [Begin::Cold, Begin::Warm] {
+                let mut solver = solver(&scene, options);
+                let posed = solver.solve(&scene.rotations, &scene.targets, &SolveOptions::default(), &mut |_| {}).unwrap();
+                assert!(posed.is_certified() && !posed.is_without_energy(), "{:?} {:?}", posed.status, posed.energy);
+                let found = solver.solve(&rotations, &targets, &SolveOptions { begin, ..SolveOptions::default() }, &mut |_| {}).unwrap();
+                assert!(found.is_certified() && found.is_without_energy(), "{angle} {begin:?} {:?} {:?}", found.status, found.energy);
+                assert!((found.rest_measure - (0..rotations.len()).map(|e| scene.complex.measure(e)).sum::<f64>()).abs() < 1e-12);
+                // In the plane the height stays that of the rest shape.
+                let parts = scene.complex.dimension();
+                let off = |(point, &rest): (&[f64; 3], &[f64; 3])| (0..parts).map(|axis| (point[axis] - place(rest)[axis]).abs()).fold(0.0, f64::max);
+                let most = found.points.iter().zip(scene.complex.points()).map(off).fold(0.0, f64::max);
+                assert!(most < if begin == Begin::Cold { 1e-12 } else { 1e-5 }, "{angle} {begin:?} {most}");
+            }
+        }
+    }
+}
+
+#[test]
+fn where_no_cone_holds_the_shape_back_one_linear_system_is_the_optimum() {
+    let scene = scenes::swirl(12, 4.0);
+    let found = solve(&scene, &SolveOptions::default());
+    assert!(found.is_certified() && !found.is_without_energy());
+    assert_eq!((found.effort.iterations, found.effort.factorizations), (0, 1));
+    assert!(found.elements.active.iter().all(|active| !active));
+    let deformer = scene.deformer(DeformOptions::default());
+    let linear = Comparison::new(&deformer, &scene.rotations, &scene.targets).unwrap().ex_rotated().unwrap();
+    let off = linear.positions.iter().zip(&found.positions).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-12, "{off}");
+    // A stronger turn needs the cones.
+    assert!(solve(&scenes::swirl(12, 180.0), &SolveOptions::default()).effort.iterations > 0);
 }
 
 #[test]

@@ -3,10 +3,9 @@
 use super::{block, comb, handles_of_comb, nearest, of_handles};
 use crate::mesh::shapes::{Noise, mapped, sphere, with_threads};
 use morsmooth::audit::audit_plateaus;
-use morsmooth::field::VertexId;
+use morsmooth::field::{Precision, VertexId};
 use morsmooth::interpolate::{BoundaryValues, Guide, InterpolateOptions, Interpolator, Mass, Method};
 use morsmooth::mesh::SimplicialComplex;
-use morsmooth::monotone::Precision;
 use morsmooth::morse::WantedExtrema;
 use morsmooth::qp::QpStatus;
 

@@ -1,6 +1,7 @@
 //! Functions from boundary values, and skinning weights.
 
 mod functions;
+mod near;
 mod plateaus;
 mod refusals;
 mod weights;

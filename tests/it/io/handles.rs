@@ -224,21 +224,26 @@ fn outlines_in_their_forms() {
         "# a remark\n\"y\";\"x\"\n0;0\n0;1\n1;0\n\n5;5\n5;6\n6;5\n",
         "ring,x,y\na,0,0\nb,5,5\na,1,0\nb,6,5\na,0,1\n\nb,5,6\r\n",
         "\u{feff}X\tY\n0\t0\n1\t0\n0\t1\n\n5\t5\n6\t5\n5\t6",
+        "  # remarks end no ring\n  0   0\n1 0\n# one\n# two\n0 1\n   \n# three\n5 5\n6 5\n5 6\n\n",
+        "x;y;name\n0,0;0;\"a b\"\n1,0;0;c\n0;1;d\n\r\n5;5;e\n6;5;f\n5;6;g\n",
     ] {
         assert_eq!(read_outline(&file("o.csv", text).path).unwrap(), [triangle, second], "{text}");
     }
     for (text, expected) in [
-        ("", ": found no place; expected lines with x and y"),
-        ("a,b\n1,2\n", ", line 1: found \"a,b\"; expected two numbers, or a head with columns \"x\" and \"y\""),
-        ("x,y\n1,2\n1\n", ", line 3: found 1 columns; expected at least 2"),
-        ("x,y\n1,two\n", ", line 2: found \"two\"; expected a coordinate"),
-        ("x,y\n1,inf\n", ", line 2: found \"inf\"; expected a coordinate"),
+        ("", ": found no row; expected a table with at least one"),
+        ("x,y\n\n", ": found no place; expected lines with x and y"),
+        ("a,b\n1,2\n", ": found the columns \"a, b\"; expected two columns of numbers, or a head with columns \"x\" and \"y\""),
+        ("1\n2\n3\n", ": found the columns \"column_1\"; expected two columns of numbers, or a head with columns \"x\" and \"y\""),
+        ("x,y\n1,2\n1\n", ", line 3: found 1 cells; expected 2 as in line 1"),
+        ("x,y\n1,two\n", ", line 2, column 2: found \"two\" in column \"y\"; expected a finite number, or nothing"),
+        ("x,y\n1,inf\n", ", line 2, column 2: found \"inf\" in column \"y\"; expected a finite number, or nothing"),
+        ("x,y\n1,2\n\n# two\n1,\n", ", line 5, column 2: found \"\"; expected a coordinate"),
     ] {
         let file = file("o.csv", text);
         assert_eq!(words(&file, read_outline(&file.path)), expected);
     }
     let latin = file("o.csv", b"x,y\n\xff");
-    assert_eq!(words(&latin, read_outline(&latin.path)), ", byte 4: found bytes that are no text; expected a text file with x and y a line");
+    assert_eq!(words(&latin, read_outline(&latin.path)), ", line 2, column 1: found \"\u{fffd}\"; expected text in UTF-8");
 }
 
 #[test]

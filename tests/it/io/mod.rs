@@ -1,5 +1,6 @@
 //! The module `io`, on files that real VTK wrote (`tools/vtk/generate.py`), on damaged ones and on hand-written ones.
 
+mod collections;
 mod damage;
 mod domains;
 mod handles;

@@ -113,6 +113,6 @@ fn a_collection_of_several_is_no_data_set() {
     assert_eq!(read(folder.path().join("one.pvd")).unwrap(), read(file("wavelet_0.vti")).unwrap());
     assert_eq!(
         refusal(&folder, "two.pvd", &collection(&one.repeat(2))),
-        "two.pvd: a collection of 2 time steps cannot be read here; expected one data set, such as one of w.vti, w.vti"
+        "two.pvd: a collection of 2 time steps as one data set cannot be read here; expected one of them, such as two.pvd/0 (there are 0, 1)"
     );
 }

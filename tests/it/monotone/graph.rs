@@ -1,9 +1,9 @@
 //! The combinatorial half: flood, block structure, st-numbering, levels, sweep and exact repair.
 
-use morsmooth::field::{VertexId, VertexOrder};
+use morsmooth::field::{Precision, VertexId, VertexOrder};
 use morsmooth::mesh::SimplicialComplex;
 use morsmooth::monotone::{
-    EdgeSet, MonotonicityGraph, Precision, Strictness, ValueRule, flood, has_exactly, levels, repair, st_numbering, sweep,
+    EdgeSet, MonotonicityGraph, Strictness, ValueRule, flood, has_exactly, levels, repair, st_numbering, sweep,
     unreachable_regions,
 };
 use morsmooth::morse::{ExtremumKind, ExtremumPair, WantedExtrema, extremum_pairs};

@@ -1,5 +1,8 @@
 //! `morsmooth animate`: frames in time, each free of inversions, with the same bits for any number of threads.
 
+use morsmooth::plot::Photograph;
+
+use super::Bench;
 use super::deform::{inverted, square};
 
 const KEYS: &str = r#"{"keys": [
@@ -46,6 +49,80 @@ fn bytes_do_not_depend_on_threads() {
         let bytes = |threads: &str| std::fs::read(bench.path(&format!("t{threads}_{frame:04}.vtu"))).unwrap();
         assert!(bytes("1") == bytes("3"), "frame {frame}");
     }
+}
+
+/// A photograph of 48 x 32 pixels, red rising to the right and green upwards, with keys that bend its middle.
+fn photograph() -> Bench {
+    let bench = Bench::new();
+    let pixels = (0..48 * 32).map(|at| [(at % 48 * 5) as u8, (155 - at / 48 * 5) as u8, 90, 255]).collect();
+    Photograph::new(48, 32, pixels).unwrap().write_png(&bench.path("in.png")).unwrap();
+    bench.text(
+        "h.json",
+        r#"{"handles": [{"name": "a", "point": [0, 0]}, {"name": "b", "point": [48, 0]}, {"name": "c", "point": [0, 32]},
+            {"name": "middle", "bone": [[20, 16], [28, 16]]}]}"#,
+    );
+    bench.text("keys.json", r#"{"keys": [{"time": 0, "handles": {}}, {"time": 1, "handles": {"middle": {"translation": [6, 4], "rotation_degrees": 40, "pivot": [24, 16]}}}]}"#);
+    bench
+}
+
+#[test]
+fn frames_of_a_photograph_have_pictures() {
+    let bench = photograph();
+    let animate = ["--handles", "h.json", "--keys", "keys.json", "--frames", "4", "--triangles", "300"];
+    for threads in ["1", "3"] {
+        let output = format!("t{threads}.pvd");
+        let run = bench.run(&[&["animate", "in.png", &output, "--threads", threads, "--report", "r.json"][..], &animate].concat());
+        assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+        assert!(run.stdout.contains("4 from 2 keys, each with a picture"), "{}", run.stdout);
+    }
+    let bytes = |name: String| std::fs::read(bench.path(&name)).unwrap();
+    for frame in 0..4 {
+        for ending in ["vtu", "png"] {
+            assert!(bytes(format!("t1_000{frame}.{ending}")) == bytes(format!("t3_000{frame}.{ending}")), "frame {frame}");
+        }
+        assert!(bench.json("r.json")["frames"][frame]["picture"].as_str().unwrap().ends_with(&format!("t3_000{frame}.png")));
+    }
+    let picture = |name: &str| Photograph::read_png(&bench.path(name)).unwrap();
+    // The picture of a key is that of 'deform'.
+    bench.text("p.json", r#"{"handles": {"middle": {"translation": [6, 4], "rotation_degrees": 40, "pivot": [24, 16]}}}"#);
+    let run = bench.run(&["deform", "in.png", "out.png", "-q", "--handles", "h.json", "--pose", "p.json", "--triangles", "300"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(picture("out.png") == picture("t1_0003.png"));
+    // What was in the middle moves to the right and up by the same share in every frame.
+    let red = |name: &str, x: usize, y: usize| f64::from(picture(name).pixels()[y * 48 + x][0]);
+    for frame in 0..4 {
+        let shift = 6.0 * frame as f64 / 3.0;
+        let (x, y) = (24 + shift as usize, 16 - (4.0 * frame as f64 / 3.0).round() as usize);
+        let found = red(&format!("t1_000{frame}.png"), x, y) / 5.0;
+        assert!((found - 24.0).abs() < 1.5, "frame {frame}: {found}");
+    }
+}
+
+#[test]
+fn a_photograph_besides_a_mesh_is_warped_with_it() {
+    let bench = photograph();
+    let animate = ["--handles", "h.json", "--keys", "keys.json", "--frames", "3"];
+    let run = bench.run(&[&["animate", "in.png", "own.pvd", "--triangles", "300", "-q"][..], &animate].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    // The mesh of the first frame is the one at rest.
+    let run = bench.run(&[&["animate", "own_0000.vtu", "film.pvd", "--image", "in.png", "-q"][..], &animate].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    for frame in 0..3 {
+        let read = |name: &str| Photograph::read_png(&bench.path(&format!("{name}_000{frame}.png"))).unwrap();
+        let (own, film) = (read("own"), read("film"));
+        let off = own.pixels().iter().zip(film.pixels()).map(|(a, b)| (0..4).map(|c| a[c].abs_diff(b[c])).max().unwrap()).max().unwrap();
+        assert!(off <= 3, "frame {frame}: {off}");
+    }
+    bench.text("keys_0001.png", b"what is here stays");
+    bench.refuses(
+        &[&["animate", "own_0000.vtu", "keys.pvd", "--image", "keys_0001.png"][..], &animate].concat(),
+        &["keys_0001.png"],
+    );
+    std::fs::copy(bench.path("in.png"), bench.path("film2_0001.png")).unwrap();
+    bench.refuses(
+        &[&["animate", "own_0000.vtu", "film2.pvd", "--image", "film2_0001.png"][..], &animate].concat(),
+        &["film2_0001.png: the frame would overwrite film2_0001.png; expected another output"],
+    );
 }
 
 #[test]

@@ -1,34 +1,27 @@
 //! `morsmooth interpolate`: extrema that someone wants, on every kind of domain, and wishes that contradict each other.
 
-use morsmooth::audit::extrema;
-use morsmooth::field::VertexId;
-use morsmooth::io::{DataSet, Extent, Geometry, MaskSources, domain, mask};
+use morsmooth::io::DataSet;
 
 use super::Bench;
+use super::fields::{doubles, image, noise, plain_extrema};
 
-fn image(extent: [i32; 6]) -> DataSet {
-    DataSet::new(Geometry::ImageData {
-        extent: Extent(extent),
-        origin: [0.0; 3],
-        spacing: [1.0; 3],
-        direction: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
-    })
+/// A grid without data.
+fn grid(dims: [usize; 3]) -> DataSet {
+    image(dims, Vec::new())
 }
 
 /// Minima and maxima of the array that was written, and its values.
-fn found(dataset: &DataSet) -> (Vec<u32>, Vec<u32>, Vec<f64>) {
-    let domain = domain(dataset, &mask(dataset, &MaskSources::default()).unwrap()).unwrap();
+fn found(dataset: &DataSet) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
     let values = dataset.point_array("interpolated").unwrap().to_f64(0);
-    let real = extrema(&domain.complex, &domain.restrict(&values)).unwrap();
-    let points = |vertices: &[VertexId]| vertices.iter().map(|vertex| domain.point_of_vertex()[vertex.index()]).collect();
-    (points(&real.minima), points(&real.maxima), values)
+    let (minima, maxima) = plain_extrema(dataset, &values, None, None);
+    (minima, maxima, values)
 }
 
 #[test]
 fn exactly_the_wanted_extrema_in_two_and_three_dimensions_for_every_order() {
     let bench = Bench::new();
-    bench.put("flat.vti", &image([0, 20, 0, 16, 0, 0]));
-    bench.put("solid.vti", &image([0, 8, 0, 7, 0, 6]));
+    bench.put("flat.vti", &grid([21, 17, 1]));
+    bench.put("solid.vti", &grid([9, 8, 7]));
     // Points 22 and 330 in the plane; a free one and an interval besides.
     bench.text("low.csv", "point,value\n22,0\n200,0.1..0.4\n");
     bench.text("high.json", r#"[{"point": 330, "value": 1}, {"position": [16, 3, 0]}, {"point": 110, "value": [0.3, 0.6]}]"#);
@@ -51,7 +44,7 @@ fn exactly_the_wanted_extrema_in_two_and_three_dimensions_for_every_order() {
 #[test]
 fn a_report_gives_the_same_wishes_back() {
     let bench = Bench::new();
-    bench.put("in.vti", &image([0, 12, 0, 9, 0, 0]));
+    bench.put("in.vti", &grid([13, 10, 1]));
     bench.text("low.txt", "# two pits\n30 0.5\n70 0.25\n");
     bench.text("high.csv", "6,5;5;0,9\n11,5;1;2\n");
     let fixed = ["interpolate", "in.vti", "--minima", "low.txt", "--maxima", "high.csv", "--report", "r.json", "-q"];
@@ -84,7 +77,7 @@ fn outlines_and_series_are_domains_as_well() {
 #[test]
 fn methods_without_promise_count_what_they_make() {
     let bench = Bench::new();
-    bench.put("in.vti", &image([0, 40, 0, 4, 0, 0]));
+    bench.put("in.vti", &grid([41, 5, 1]));
     bench.text("low.csv", "82,0\n90,0\n");
     bench.text("high.csv", "86,1\n");
     for method in ["harmonic", "polyharmonic", "bounded"] {
@@ -100,9 +93,96 @@ fn methods_without_promise_count_what_they_make() {
 }
 
 #[test]
+fn the_representative_function_may_be_chosen() {
+    let bench = Bench::new();
+    bench.put("in.vti", &grid([15, 11, 1]));
+    bench.text("low.csv", "point,value\n17,0\n");
+    bench.text("high.csv", "point,value\n130,1\n70,0.8\n");
+    let fixed = ["interpolate", "in.vti", "out.vti", "--minima", "low.csv", "--maxima", "high.csv", "--report", "r.json"];
+    let energy = |more: &[&str]| {
+        let run = bench.run(&[&fixed[..], more].concat());
+        assert_eq!(run.code, 0, "{more:?}: {}{}", run.stdout, run.stderr);
+        assert_eq!(found(&bench.read("out.vti")).1, [70, 130], "{more:?}");
+        bench.json("r.json")["energy"].as_f64().unwrap()
+    };
+    let [automatic, smooth, harmonic] = ["automatic", "smooth-then-simplify", "harmonic"].map(|kind| energy(&["--representative", kind]));
+    assert_eq!(automatic, energy(&[]));
+    assert_eq!(automatic, smooth, "order 2 takes the smooth function");
+    assert_ne!(harmonic, smooth);
+    bench.refuses(&[&fixed[..], &["--representative", "flood"]].concat(), &["automatic, smooth-then-simplify, harmonic"]);
+}
+
+/// A ramp with two bumps under noise, and 'gaps', the same with NaN in a corner.
+fn noisy() -> Bench {
+    let value = |point: usize| {
+        let (x, y) = ((point % 25) as f64, (point / 25) as f64);
+        let bump = |a: f64, b: f64| (-((x - a).powi(2) + (y - b).powi(2)) / 14.0).exp();
+        0.02 * x + bump(7.0, 8.0) + 0.8 * bump(18.0, 11.0) + 0.05 * noise(point)
+    };
+    let values: Vec<f64> = (0..25 * 20).map(value).collect();
+    let gaps: Vec<f64> = (0..25 * 20).map(|point| if point % 25 > 19 && point / 25 < 5 { f64::NAN } else { values[point] }).collect();
+    let bench = Bench::new();
+    bench.put("in.vti", &image([25, 20, 1], vec![doubles("h", &values), doubles("gaps", &gaps)]));
+    // One of the two bumps alone, with its value free; the lowest place is the corner.
+    bench.text("low.csv", "point\n0\n");
+    bench.text("high.csv", "point\n207\n");
+    bench
+}
+
+const WISHES: [&str; 8] = ["interpolate", "in.vti", "out.vti", "--minima", "low.csv", "--maxima", "high.csv", "--report"];
+
+#[test]
+fn a_function_made_by_hand_may_stay_close_to_data() {
+    let bench = noisy();
+    let run = |more: &[&str]| {
+        let run = bench.run(&[&WISHES[..], &["r.json"], more].concat());
+        assert_eq!(run.code, 0, "{more:?}: {}{}", run.stdout, run.stderr);
+        let (minima, maxima, values) = found(&bench.read("out.vti"));
+        assert_eq!((minima, maxima), (vec![0], vec![207]), "{more:?}");
+        (values, bench.json("r.json"), run)
+    };
+    let data = bench.read("in.vti").point_array("h").unwrap().to_f64(0);
+    let rms = |values: &[f64]| (values.iter().zip(&data).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 500.0).sqrt();
+    let (near, report, told) = run(&["--data", "h", "--length", "2%"]);
+    let (smoother, far, _) = run(&["--data", "h", "--length", "20%"]);
+    assert!(rms(&near) < rms(&smoother), "{} {}", rms(&near), rms(&smoother));
+    assert!(report["energy"].as_f64().unwrap() > far["energy"].as_f64().unwrap());
+    assert!((report["data"]["rms_distance"].as_f64().unwrap() - rms(&near)).abs() < 1e-12);
+    assert!(told.stdout.lines().any(|line| line.starts_with("data            h, length")), "{}", told.stdout);
+    // Chosen from the noise where nothing is said, and a value may be given besides.
+    bench.text("high.csv", "point,value\n207,1.5\n");
+    let (values, report, _) = run(&["--data", "h"]);
+    assert_eq!((values[207], report["data"]["length"]["automatic"].as_bool()), (1.5, Some(true)));
+    // Without data there is no pull, but smoothness goes on.
+    let (values, report, _) = run(&["--data", "gaps", "--length-abs", "0.5"]);
+    assert_eq!(report["data"]["without_value"], 25);
+    let inside = |point: &usize| *point % 25 > 19 && *point / 25 < 5;
+    let off = |is: bool| (0..500).filter(|point| inside(point) == is).map(|point| (values[point] - data[point]).abs()).fold(0.0, f64::max);
+    assert!(values.iter().all(|value| value.is_finite()) && off(true) > 0.02, "{}", off(true));
+}
+
+#[test]
+fn data_that_cannot_be_followed_are_refused() {
+    let bench = noisy();
+    let refuses = |more: &[&str], words: &[&str]| bench.refuses(&[&WISHES[..7], more].concat(), words);
+    refuses(&["--data", "g"], &["in.vti: found no point array 'g'; expected the data", "point arrays: h, gaps"]);
+    refuses(&["--data", "h", "--method", "bounded"], &["found --data with --method bounded; expected --method monotone"]);
+    refuses(&["--length", "2%"], &["found a smoothing length without data; expected --data NAME with it"]);
+    refuses(&["--data", "h", "--length", "2%", "--length-abs", "3"], &["--length", "cannot be used with"]);
+    refuses(&["--data", "h", "--length-abs", "-1"], &["length"]);
+    refuses(&[], &["no minimum of the connected part around vertex 0 has a value"]);
+    let mut dataset = bench.read("in.vti");
+    dataset.set_point_array(doubles("empty", &[f64::NAN; 500]));
+    dataset.set_point_array(doubles("endless", &[f64::INFINITY; 500]));
+    bench.put("in.vti", &dataset);
+    refuses(&["--data", "empty"], &["in.vti: array 'empty' has no value in the domain; expected some"]);
+    refuses(&["--data", "endless"], &["in.vti: array 'endless' is inf at point 0; expected a number, or NaN for none"]);
+}
+
+#[test]
 fn contradictory_and_impossible_wishes_are_refused_with_their_places() {
     let bench = Bench::new();
-    bench.put("in.vti", &image([0, 12, 0, 9, 0, 0]));
+    bench.put("in.vti", &grid([13, 10, 1]));
     bench.text("low.csv", "point,value\n30,0.5\n");
     bench.text("lower.csv", "point,value\n95,0.2\n");
     bench.text("high.csv", "point,value\n90,1\n");

@@ -1,6 +1,7 @@
 //! `morsmooth deform`: every method, what is written, what is refused.
 
-use morsmooth::audit::{Precision, orientations};
+use morsmooth::audit::orientations;
+use morsmooth::field::Precision;
 use morsmooth::io::{ArrayData, CellArray, DataArray, DataSet, Geometry, MaskSources, domain, mask};
 use morsmooth::mesh::Domain;
 use morsmooth::plot::Photograph;
@@ -53,7 +54,7 @@ fn elements(dataset: &DataSet) -> Domain {
 pub fn inverted(rest: &DataSet, deformed: &DataSet) -> [usize; 2] {
     let (rest, deformed) = (elements(rest), elements(deformed));
     assert_eq!(rest.complex.simplices(), deformed.complex.simplices());
-    [Precision::Double, Precision::Single].map(|precision| {
+    [Precision::F64, Precision::F32].map(|precision| {
         let report = orientations(&rest.complex, &[], deformed.complex.points(), precision).unwrap();
         report.inverted.len() + report.degenerate.len()
     })
@@ -169,6 +170,28 @@ fn contradictions_name_handles_and_elements() {
 }
 
 #[test]
+fn a_pose_of_pure_rest_is_the_certified_optimum() {
+    for is_single in [false, true] {
+        let bench = square(10, 0.0, is_single);
+        let shifts = ["west", "east", "north", "middle"].map(|name| format!(r#""{name}": {{"translation": [0.5, -2]}}"#));
+        for (pose, shift) in [(r#"{"handles": {}}"#.to_owned(), [0.0, 0.0]), (format!("{{\"handles\": {{{}}}}}", shifts.join(", ")), [0.5, -2.0])] {
+            bench.text("p.json", pose);
+            let run = bench.run(&[&["deform", "in.vtu", "out.vtu", "--report", "r.json"][..], &RIG].concat());
+            assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+            assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+            assert!(run.stdout.contains("certified optimum") && run.stdout.contains("of the rest measure, and none is below 0"), "{}", run.stdout);
+            let result = &bench.json("r.json")["result"];
+            assert_eq!(result["status"], "certified");
+            assert!((result["rest_measure"].as_f64().unwrap() - 1.0).abs() < 1e-6);
+            let (before, after) = (bench.read("in.vtu").points_f64(), bench.read("out.vtu").points_f64());
+            let off = |(a, b): (&[f64; 3], &[f64; 3])| (0..2).map(|axis| (a[axis] + shift[axis] - b[axis]).abs()).fold(0.0, f64::max);
+            let most = before.iter().zip(&after).map(off).fold(0.0, f64::max);
+            assert!(most < if is_single { 5e-7 } else { 1e-12 }, "{most}");
+        }
+    }
+}
+
+#[test]
 fn bits_do_not_depend_on_threads() {
     let bench = square(16, 80.0, false);
     for threads in ["1", "2", "5"] {
@@ -241,10 +264,13 @@ fn refusals_name_what_is_wrong() {
     bench.refuses(&command(&["--gap", "0"]), &["found --gap 0; expected a number between 0 and 1"]);
     bench.refuses(&command(&["--incompressible", "-0.3"]), &["incompressib"]);
     bench.refuses(&command(&["--out-image", "x.png"]), &["found --out-image without a photograph"]);
-    bench.refuses(&command(&["--weights", "in.vtu"]), &["found no scalar point array 'west' with the weights of handle \"west\"", "number"]);
+    bench.refuses(&command(&["--weights", "in.vtu"]), &["found no point array 'west'; expected the weights of the handle \"west\"", "point arrays: number; --weights-prefix"]);
     bench.refuses(&command(&["--hard", "--method", "lim"]), &["the handles are hard; this method of comparison needs soft ones"]);
     bench.text("far.json", r#"{"handles": [{"name": "lost", "point": [9, 9]}]}"#);
     bench.refuses(&["deform", "in.vtu", "out.vtu", "--handles", "far.json", "--pose", "p.json"], &["far.json", "handle \"lost\" is outside the mesh"]);
+    bench.text("far.json", r#"{"handles": [{"name": "none", "region": [999]}]}"#);
+    let words = ["far.json: region \"none\" names vertex 999; expected less than 85"];
+    bench.refuses(&["deform", "in.vtu", "out.vtu", "--handles", "far.json", "--pose", "p.json"], &words);
     bench.text("other.json", r#"{"handles": {"nose": {"rotation_degrees": 3}}}"#);
     bench.refuses(&["deform", "in.vtu", "out.vtu", "--handles", "h.json", "--pose", "other.json"], &["other.json", "nose"]);
     // A fold in the rest shape is named by its cells.

@@ -93,6 +93,52 @@ fn places_and_curves_are_sources() {
 }
 
 #[test]
+fn each_source_has_distances_of_its_own() {
+    let bench = Bench::new();
+    sheet(&bench, "", 0, "", 0);
+    bench.text("curve.txt", format!("0 0 0\n1 0 {}\n", 3.0 * 0.6f64.sin()));
+    let sources = ["--source", "30,500", "--source-point", "11.2,7.9,-1", "--source-tolerance", "20%", "--source-curve", "curve.txt"];
+    for method in ["exact", "heat"] {
+        let call = [&["geodesic", "in.off", "each.vtp", "--each", "--method", method, "--report", "r.json", "--plots", "plots"][..], &sources].concat();
+        let run = bench.run(&call);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        for (number, from) in ["point 30", "point 500", "place 11.2,7.9,-1", "curve curve.txt"].iter().enumerate() {
+            assert!(run.stdout.contains(&format!("geodesic_distance_{number}: {method} from {from}, farthest ")), "{}", run.stdout);
+            assert!(bench.path(&format!("plots/geodesic_distance_{number}.png")).exists());
+            assert_eq!(bench.json("r.json")["arrays"][number]["source"], *from);
+        }
+        let each = bench.read("each.vtp");
+        assert!(each.point_array("geodesic_distance").is_none());
+        let columns: Vec<Vec<f64>> = (0..4).map(|number| values(&each, &format!("geodesic_distance_{number}"))).collect();
+        assert_eq!((columns[0][30], columns[1][500]), (0.0, 0.0));
+        // The same bits as alone.
+        for (number, alone) in [(0, &sources[..1]), (1, &sources[..1])] {
+            let source = ["30", "500"][number];
+            assert_eq!(bench.run(&[&["geodesic", "in.off", "one.vtp", "--method", method, "-q"], alone, &[source]].concat()).code, 0);
+            assert!(values(&bench.read("one.vtp"), "geodesic_distance") == columns[number]);
+        }
+        // From all together: the least of them, which heat only comes near.
+        assert_eq!(bench.run(&[&["geodesic", "in.off", "all.vtp", "--method", method, "-q"][..], &sources].concat()).code, 0);
+        let all = values(&bench.read("all.vtp"), "geodesic_distance");
+        if method == "exact" {
+            for (vertex, &distance) in all.iter().enumerate() {
+                let least = columns.iter().map(|column| column[vertex]).fold(f64::INFINITY, f64::min);
+                assert!((least - distance).abs() < 1e-9 * (1.0 + distance), "{vertex}: {least} {distance}");
+            }
+        }
+    }
+    bench.refuses(&[&["geodesic", "in.off", "no.vtp", "--each", "--smooth"][..], &sources].concat(), &["--each", "--smooth"]);
+    bench.refuses(&[&["geodesic", "in.off", "no.off", "--each"][..], &sources].concat(), &["no room for the array geodesic_distance_0"]);
+    // Another part is out of reach for one source even where the other one lies in it.
+    sheet(&bench, "3 576 577 578\n", 1, "0 0 90\n1 0 90\n0 1 90\n", 3);
+    let call = ["geodesic", "in.off", "two.vtp", "--source", "0,577", "--each"];
+    bench.refuses(&call, &["no path leads from point 0 to 3 of 579 points, first point 576; expected one part", "--allow-unreached"]);
+    assert_eq!(bench.run(&[&call[..], &["--allow-unreached", "-q"]].concat()).code, 0);
+    let second = values(&bench.read("two.vtp"), "geodesic_distance_1");
+    assert!(second[..576].iter().all(|value| value.is_nan()) && second[576..] == [1.0, 0.0, 2f64.sqrt()]);
+}
+
+#[test]
 fn what_cannot_be_done_is_refused() {
     let bench = Bench::new();
     sheet(&bench, "", 0, "", 0);

@@ -19,6 +19,7 @@ mod pose;
 mod queries;
 mod series;
 mod simplify;
+mod steps;
 mod unusual;
 mod weights;
 

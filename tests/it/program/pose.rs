@@ -1,7 +1,10 @@
 //! `morsmooth pose`: what moves, what is kept, what is said and refused.
 
 use super::Bench;
-use morsmooth::io::{ArrayData, DataArray, DataSet, Geometry};
+use morsmooth::audit::orientations;
+use morsmooth::field::Precision;
+use morsmooth::io::{ArrayData, DataArray, DataSet, Geometry, domain};
+use morsmooth::mesh::Mask;
 
 /// A flat bar of 9 x 3 points; the left two columns belong to "left", the right two to "right", linear between.
 fn bar() -> DataSet {
@@ -60,6 +63,24 @@ fn inverted_elements_are_counted_and_said() {
     assert_eq!(run.code, 0);
     assert!(run.stdout.contains("inverted        24 of 32 elements (cells 2, 3, 4, 5, 6, ...); smallest det F -2.333333"), "{}", run.stdout);
     assert_eq!(bench.json("r.json")["inversions"]["count"], 24);
+}
+
+#[test]
+fn what_is_counted_is_what_exact_predicates_say_of_the_file() {
+    let bench = Bench::with(&bar());
+    let rest = domain(&bench.read("in.vtp"), &Mask::none()).unwrap().complex;
+    // About 6 to the left everything between the handles is squeezed into one line.
+    for left in ["-6", "-6.000000000000001", "-5.999999999999999"] {
+        bench.text("pose.json", format!(r#"{{"handles": {{"right": {{"translation": [{left}, 0, 0]}}}}}}"#));
+        let run = bench.run(&["pose", "in.vtp", "in.vtp", "pose.json", "out.vtu", "--method", "lbs", "--report", "r.json"]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let judged = orientations(&rest, &[], &bench.read("out.vtu").points_f64(), Precision::F64).unwrap();
+        let count = judged.inverted.len() + judged.degenerate.len();
+        let report = bench.json("r.json");
+        assert_eq!(report["inversions"]["count"], count, "{left}");
+        assert_eq!(report["inversions"]["smallest_determinant"].as_f64().unwrap(), judged.smallest);
+        assert!(left == "-5.999999999999999" || count > 0, "{left}");
+    }
 }
 
 #[test]
@@ -133,7 +154,7 @@ fn what_cannot_be_posed_is_refused() {
     refuse(&["in.vtp", "in.vtp", "pose.dmat", "out.vtp"], &["error: pose.dmat: found 4 numbers; expected 4 for each of 0 bones"]);
     refuse(
         &["in.vtp", "in.vtp", "pose.json", "out.vtp", "--handles", "handles.json"],
-        &["error: in.vtp: found no point array 'centre'; expected the weights of a handle", "hint: point arrays: left, right, kept"],
+        &["error: in.vtp: found no point array 'centre'; expected the weights of the handle \"centre\"", "hint: point arrays: left, right, kept"],
     );
     refuse(&["in.vtp", "in.vtp", "pose.json", "out.vtp", "--prefix", "w_"], &["error: in.vtp: found no point array 'w_left'"]);
     refuse(&["in.vtp", "in.vtp", "pose.json", "in.vtp"], &["error: in.vtp: the output is the input file"]);

@@ -105,6 +105,7 @@ fn nearly_contradicting_blocks_end_honestly() {
             }
             QpStatus::Solved => assert!(solution.kkt.duality_gap <= 1e-8 && solution.kkt.primal <= 1e-8),
             QpStatus::Stalled | QpStatus::IterationLimit => assert!(degrees > 179.2, "{degrees}: {:?}", solution.kkt),
+            QpStatus::CutOff => panic!("no cutoff was asked for"),
         }
     }
 }

@@ -112,6 +112,7 @@ fn a_contradiction_by_a_hair_ends_honestly() {
             // A violation of 1e-9 of the values lies within the tolerance of 1e-8.
             QpStatus::Solved => assert!(excess < 1e-8, "{excess}"),
             QpStatus::IterationLimit | QpStatus::Stalled => {}
+            QpStatus::CutOff => panic!("no cutoff was asked for"),
         }
     }
 }

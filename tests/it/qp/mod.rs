@@ -14,6 +14,8 @@ mod refusals;
 mod speed;
 mod scenes;
 
+#[path = "../../../tools/bench/conic.rs"]
+mod conic;
 #[path = "../../../tools/bench/peer.rs"]
 mod peer;
 #[path = "../../../tools/bench/problems.rs"]

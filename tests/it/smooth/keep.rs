@@ -1,7 +1,8 @@
 //! More than the extrema is kept: values at saddles, values along separatrices.
 
+use morsmooth::field::Precision;
 use morsmooth::mesh::SimplicialComplex;
-use morsmooth::monotone::{Precision, Strategy, ValueRule};
+use morsmooth::monotone::{Strategy, ValueRule};
 use morsmooth::morse::{Selection, Threshold};
 use morsmooth::smooth::{KeepAlso, Length, SelectOn, SmoothOptions, Smoothed, Smoother, smooth};
 

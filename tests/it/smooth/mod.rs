@@ -6,9 +6,9 @@ mod simplify;
 mod theorems;
 
 use morsmooth::audit::{Plateaus, Wanted, audit};
-use morsmooth::field::VertexId;
+use morsmooth::field::{Precision, VertexId};
 use morsmooth::mesh::SimplicialComplex;
-use morsmooth::monotone::{Precision, Strictness, ValueRule};
+use morsmooth::monotone::{Strictness, ValueRule};
 use morsmooth::smooth::{SmoothError, SmoothOptions, Smoothed, smooth};
 
 /// Smooths and judges. `Err` is a typed refusal; a field that breaks any promise panics.

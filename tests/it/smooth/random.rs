@@ -1,8 +1,8 @@
 //! Random small masked grids with few distinct values: the right field or a typed refusal, never a wrong field or a panic.
 
-use morsmooth::field::VertexId;
+use morsmooth::field::{Precision, VertexId};
 use morsmooth::mesh::SimplicialComplex;
-use morsmooth::monotone::{EdgeSet, Precision, Strategy as Function, Strictness};
+use morsmooth::monotone::{EdgeSet, Strategy as Function, Strictness};
 use morsmooth::morse::{Selection, Threshold};
 use morsmooth::smooth::{ExtremumValues, Length, SelectOn, SmoothError, SmoothOptions};
 use proptest::prelude::*;

@@ -1,9 +1,9 @@
 //! Simplification alone: exactly the wanted extrema and pairs, under plain `<`, near the data.
 
 use morsmooth::audit::{Plateaus, ValueRule, Wanted, audit};
-use morsmooth::field::{VertexId, VertexOrder};
+use morsmooth::field::{Precision, VertexId, VertexOrder};
 use morsmooth::mesh::SimplicialComplex;
-use morsmooth::monotone::{Precision, flood_field};
+use morsmooth::monotone::flood_field;
 use morsmooth::morse::{ExtremumKind, Selection, Threshold, extremum_pairs};
 use morsmooth::smooth::{MeasuredField, Simplified, SmoothError, simplify};
 use proptest::prelude::*;
