@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use morsmooth::audit::{AuditReport, ExtremumType, Plateaus, Wanted, audit, moved_values};
-use morsmooth::field::VertexId;
+use morsmooth::field::{Precision, VertexId};
 use morsmooth::io::{ArrayData, DataArray, DataSet, MaskSources, domain, mask};
 use morsmooth::mesh::{Domain, Mask, check};
-use morsmooth::monotone::{Precision, ValueRule};
+use morsmooth::monotone::ValueRule;
 use morsmooth::morse::{ExtremumPair, Selection, Threshold, WantedExtrema};
 use morsmooth::operators::OperatorError;
 use morsmooth::smooth::{SmoothError, constant_components};

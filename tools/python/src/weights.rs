@@ -7,7 +7,7 @@ use morsmooth::interpolate::{
     BoundaryValues, Guide, InterpolateError, InterpolateOptions, Interpolator, Mass, Method, Partition, WeightOptions, skinning_weights,
 };
 use morsmooth::mesh::check;
-use morsmooth::monotone::Precision;
+use morsmooth::field::Precision;
 use morsmooth::operators::OperatorError;
 use morsmooth::qp::QpStatus;
 use numpy::{PyArray1, PyArrayMethods};
