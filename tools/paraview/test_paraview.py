@@ -38,7 +38,10 @@ def environment(tmp_path_factory):
     path = os.pathsep.join([str(packages), str(HERE / "debian")])
     words = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV", "OMPI_"))}
     # Root is who tests run as in containers; Open MPI wants to be told so twice.
-    return {**words, "PYTHONPATH": path, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    # Two ranks also where there is one core.
+    slots = {"OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
+    return {**words, "PYTHONPATH": path, **root, **slots}
 
 
 def run(words, environment, expect=0):

@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use morsmooth::smooth::SmoothProgress;
@@ -93,7 +93,7 @@ pub fn run<T: Send + 'static>(
     let (steps, told) = channel::<Step>();
     let is_wanted = Arc::new(AtomicBool::new(true));
     let mut talk = Talk { steps, is_wanted: Arc::clone(&is_wanted), so_far: 0.0 };
-    let threads = control.threads;
+    let threads = control.threads.or_else(in_a_child);
     let body = move || {
         let result = catch_unwind(AssertUnwindSafe(|| match threads {
             None => work(&mut talk),
@@ -123,6 +123,13 @@ pub fn run<T: Send + 'static>(
             }
         }
     }
+}
+
+/// In a child made by fork (multiprocessing), where the threads of the common pool are gone: as many of its own as there are cores.
+fn in_a_child() -> Option<usize> {
+    static FIRST: OnceLock<u32> = OnceLock::new();
+    let is_child = *FIRST.get_or_init(std::process::id) != std::process::id();
+    is_child.then(|| std::thread::available_parallelism().map_or(1, std::num::NonZero::get))
 }
 
 /// The end of the work, if it comes soon.

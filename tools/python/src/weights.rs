@@ -73,6 +73,9 @@ impl Options {
 /// What is found: `points x handles` weights row by row, names, pivots, and a report as JSON.
 type Found = (Vec<f64>, Vec<String>, Vec<[f64; 3]>, String);
 
+/// The same for Python.
+type Returned = (Py<PyAny>, Vec<String>, Vec<[f64; 3]>, String);
+
 /// Weights of handles: `n x h`, the names, `h x 3` pivots, and the report as JSON.
 #[pyfunction]
 pub fn weights(
@@ -81,7 +84,7 @@ pub fn weights(
     handles: Source,
     options: Options,
     control: Control,
-) -> PyResult<(Py<PyAny>, Vec<String>, Vec<[f64; 3]>, String)> {
+) -> PyResult<Returned> {
     let dataset = Arc::clone(&mesh.dataset);
     let (rows, names, pivots, report): Found = job::run(py, &control, move |talk| {
         talk.stage("reading", 0.0);

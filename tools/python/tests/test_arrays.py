@@ -105,7 +105,7 @@ def test_pairs_are_columns_of_one_length(tetrahedra):
 
 def test_weights_without_a_mesh_library(triangles):
     points, cells, _ = triangles
-    found = morsmooth.weights((points, cells), {"left": [0.0, 0.5, 0.0], "right": [1.0, 0.5, 0.0], "base": [0, 1, 2]})
+    found = morsmooth.weights((points, cells), {"left": [0.0, 0.5, 0.0], "right": [1.0, 0.5, 0.0], "base": {"region": [0, 1, 2]}})
     assert found.names == ["left", "right", "base"] and found.weights.shape == (len(points), 3)
     assert (found.weights[:3] == [0, 0, 1]).all() and np.abs(found.weights.sum(axis=1) - 1).max() < 1e-5
     assert found.pivots[2] == pytest.approx(points[:3].mean(axis=0))
@@ -114,7 +114,7 @@ def test_weights_without_a_mesh_library(triangles):
 
 def test_deformed_triangles_keep_their_orientation(triangles):
     points, cells, _ = triangles
-    # The base is a list of whole numbers, and so a region; the top is one place.
+    # The base is an array of whole numbers, and so a region; the top is one place.
     handles = {"base": np.flatnonzero(points[:, 1] < 0.1), "top": [0.5, 1.0, 0.0]}
     pose = {"top": {"rotation_degrees": 90, "translation": [0.3, 0.1, 0]}}
     report = {}
@@ -139,3 +139,13 @@ def test_distances_in_a_plane(triangles):
     assert inside == pytest.approx(np.linalg.norm(points - [0.5, 0.5, 0], axis=1), abs=1e-9)
     heat = morsmooth.geodesic((points, cells), 3, method="heat")
     assert np.abs(heat - distances).max() < 0.15
+
+
+def test_handles_are_not_guessed(triangles):
+    points, cells, _ = triangles
+    with pytest.raises(morsmooth.InputError, match=r'handle "a" is \[0, 1, 0\], which may be a place or point numbers\nhint: write \[0.0, 1.0, 0.0\]'):
+        morsmooth.weights((points, cells), {"a": [0, 1, 0], "b": [1.0, 1.0, 0.0]})
+    with pytest.raises(morsmooth.InputError, match='handle "a" is .*; expected a point'):
+        morsmooth.weights((points, cells), {"a": [[[1.0]]], "b": [1.0, 1.0, 0.0]})
+    with pytest.raises(TypeError, match="found handles of type int"):
+        morsmooth.weights((points, cells), 3)

@@ -1,5 +1,6 @@
 """What a call is towards the interpreter: signals, its lock, progress, errors, threads."""
 
+import multiprocessing
 import os
 import pickle
 import subprocess
@@ -101,6 +102,19 @@ def test_calls_from_several_threads_at_once(equal):
     for thread in threads:
         thread.join()
     assert all(equal(one, expected) for one in found)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
+def test_a_child_made_by_fork_works_as_well(equal):
+    # The threads that the parent has used are not there in the child.
+    expected = morsmooth.smooth(array=VALUES, extrema=4)
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        found = pool.apply_async(in_child).get(timeout=300)
+    assert equal(found, expected)
+
+
+def in_child():
+    return morsmooth.smooth(array=VALUES, extrema=4)
 
 
 def test_errors_are_of_one_family():

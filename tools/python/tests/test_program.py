@@ -87,7 +87,7 @@ def test_weights(sheet, program, tmp_path, equal, as_json):
     handles = as_json("handles.json", content)
     program("weights", path, tmp_path / "out.vtu", "--handles", handles, "--prefix", "w_")
     expected = pv.read(tmp_path / "out.vtu")
-    by_name = {"a": (0.0, 0.5), "b": [[0.7, 0.3, 0], [0.9, 0.8, 0]], "c": [30, 61]}
+    by_name = {"a": (0.0, 0.5), "b": [[0.7, 0.3, 0], [0.9, 0.8, 0]], "c": np.array([30, 61])}
     for given in (handles, content, by_name):
         found = morsmooth.weights(mesh, given, prefix="w_")
         assert all(equal(found[name], expected[name]) for name in ("w_a", "w_b", "w_c"))

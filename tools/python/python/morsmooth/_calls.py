@@ -79,35 +79,50 @@ def told(text: str, report: Optional[dict[str, Any]]) -> dict[str, Any]:
     return found
 
 
-def source(given: Any, what: str, key: str) -> dict[str, Any]:
-    """Handles or a pose: the path of a file, or what would stand in one."""
+def pose_source(given: Any) -> dict[str, Any]:
+    """A pose: the path of a file, what would stand in one, or transforms by the names of handles."""
+    if isinstance(given, Mapping):
+        is_file = set(given) == {"handles"} and isinstance(given["handles"], Mapping) and not set(given["handles"]) & TRANSFORM
+        return in_json(given if is_file else {"handles": dict(given)})
+    return in_file(given, "a pose")
+
+
+def handles_source(given: Any) -> dict[str, Any]:
+    """Handles: the path of a file, what would stand in one, or handles by their names."""
+    if isinstance(given, Mapping):
+        is_file = isinstance(given.get("handles"), list) and all(isinstance(entry, Mapping) for entry in given["handles"])
+        return in_json(given if is_file else {"handles": [handle(name, shape) for name, shape in given.items()]})
+    return in_file(given, "handles")
+
+
+TRANSFORM = {"rotation_degrees", "axis", "quaternion", "translation", "scale", "pivot"}
+
+
+def in_file(given: Any, what: str) -> dict[str, Any]:
     if isinstance(given, (str, os.PathLike)):
         return {"path": os.fspath(given), "json": None, "array": None}
-    if isinstance(given, Mapping):
-        content = given if isinstance(given.get(key), (list, Mapping)) and not is_entry(given[key]) else {key: listed(given, key)}
-        return {"path": None, "json": json.dumps(content, default=plain), "array": None}
     raise TypeError(f"found {what} of type {type(given).__name__}; expected the path of a file or a dictionary")
 
 
-def is_entry(value: Any) -> bool:
-    """Whether a value is one handle called 'handles', not the list of a file."""
-    return isinstance(value, list) and (not value or not isinstance(value[0], Mapping))
+def in_json(content: Mapping[str, Any]) -> dict[str, Any]:
+    return {"path": None, "json": json.dumps(content, default=plain), "array": None}
 
 
-def listed(given: Mapping[str, Any], key: str) -> Any:
-    """Poses by name as they are; handles by name in the form of the file, told apart by their shape."""
-    if all(isinstance(entry, Mapping) for entry in given.values()):
-        return [{"name": name, **entry} for name, entry in given.items()] if any(is_handle(entry) for entry in given.values()) else dict(given)
-    entries = []
-    for name, shape in given.items():
-        array = np.asarray(shape)
-        kind = "bone" if array.shape in ((2, 3), (2, 2)) else "point" if array.dtype.kind == "f" and array.shape in ((3,), (2,)) else "region"
-        entries.append({"name": name, kind: array.reshape(-1).tolist() if kind == "region" else array.tolist()})
-    return entries
-
-
-def is_handle(entry: Mapping[str, Any]) -> bool:
-    return bool({"point", "bone", "region"} & set(entry))
+def handle(name: str, shape: Any) -> dict[str, Any]:
+    """A handle as it stands in a file; plain numbers are told apart by their shape and type."""
+    if isinstance(shape, Mapping):
+        return {"name": name, **shape}
+    array = np.asarray(shape)
+    if array.shape in ((2, 3), (2, 2)):
+        return {"name": name, "bone": array.tolist()}
+    if array.dtype.kind == "f" and array.shape in ((3,), (2,)):
+        return {"name": name, "point": array.tolist()}
+    if array.dtype.kind not in "iu" or array.ndim > 1:
+        raise InputError(f'handle "{name}" is {shape!r}; expected a point (2 or 3 floats), a bone (2 points), or a list of point numbers')
+    if array.size in (2, 3) and not isinstance(shape, np.ndarray):
+        text = f'handle "{name}" is {shape!r}, which may be a place or point numbers'
+        raise InputError(text, [f'write {[float(part) for part in array]} for a place, {{"region": {array.tolist()}}} for point numbers'])
+    return {"name": name, "region": array.reshape(-1).tolist()}
 
 
 def plain(value: Any) -> Any:

@@ -7,7 +7,7 @@ from typing import Any, Literal, NamedTuple, Optional, Union
 import numpy as np
 
 from . import _native
-from ._calls import Progress, control, fraction, scene, source, told, wishes
+from ._calls import Progress, control, fraction, handles_source, pose_source, scene, told, wishes
 from ._errors import InputError
 from ._mesh import open_mesh
 
@@ -297,9 +297,9 @@ def weights(
     Args:
         mesh: as in :func:`smooth`, but no grid; lines, triangles or tetrahedra in which every point is a corner.
         handles: the path of a .json or .tgf file as ``morsmooth weights --handles`` reads it; or what would stand in the .json; or a
-            dictionary from names to handles: three coordinates (floats) of a point, two such ends of a bone, or a list of point
-            numbers (integers) of a region; or the name of an array of the mesh whose numbers say which points are which handle,
-            as ``{"array": name}``.
+            dictionary from names to handles: the coordinates (floats) of a point, two such ends of a bone, point numbers (integers)
+            of a region, or ``{"point": ...}``, ``{"bone": ...}``, ``{"region": ...}``; or the name of an array of the mesh whose
+            numbers say which points are which handle, as ``{"array": name}``.
         method: "monotone" has no extremum but at handles; "bounded" stays within 0 and 1 (order 2: bounded biharmonic weights);
             "harmonic" and "polyharmonic" are linear.
         order: k of the energy, 1 to 4; of harmonic weights 1 whatever it is.
@@ -344,7 +344,7 @@ def handle_source(opened: Any, handles: Any) -> dict[str, Any]:
     """Handles for the extension module."""
     if isinstance(handles, dict) and set(handles) == {"array"} and isinstance(handles["array"], str):
         return {"path": None, "json": None, "array": opened.find(handles["array"], "handles", "both")}
-    return source(handles, "handles", "handles")
+    return handles_source(handles)
 
 
 def deform(
@@ -413,7 +413,7 @@ def deform(
         weights = np.ascontiguousarray(weights, np.float64)
         if weights.ndim != 2:
             raise InputError(f"found weights of shape {weights.shape}; expected points x handles")
-    sources = handle_source(opened, handles), source(pose, "a pose", "handles")
+    sources = handle_source(opened, handles), pose_source(pose)
     points, cells, text = _native.deform(opened.native, *sources, weights, options, control(threads, progress))
     told(text, report)
     return opened.moved(points, cells)
