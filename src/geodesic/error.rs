@@ -1,7 +1,7 @@
 //! Why a distance cannot be computed.
 
 use crate::field::VertexId;
-use crate::linalg::FactorError;
+use crate::linalg::{FactorError, MatrixError};
 use crate::operators::OperatorError;
 
 /// Why a distance cannot be computed.
@@ -94,6 +94,9 @@ pub enum GeodesicError {
     /// A triangle or tetrahedron has no area or volume, or the operators of the heat method could not be built.
     #[error(transparent)]
     Operator(#[from] OperatorError),
+    /// A matrix of the heat method could not be built.
+    #[error(transparent)]
+    Matrix(#[from] MatrixError),
     /// A matrix of the heat method could not be factored.
     #[error(transparent)]
     Factor(#[from] FactorError),

@@ -3,26 +3,41 @@
 use rayon::prelude::*;
 
 use super::error::GeodesicError;
+use super::intrinsic::Intrinsic;
 use super::source::SurfacePoint;
+use super::surface::check_measures;
 use crate::field::VertexId;
-use crate::linalg::{Cholesky, CsrMatrix, SymbolicCholesky, fill_reducing_order};
+use crate::linalg::{Cholesky, CsrMatrix, MatrixError, SymbolicCholesky, fill_reducing_order};
 use crate::mesh::{SimplicialComplex, minus, norm};
 use crate::operators::{cotangent_laplacian, dual_basis, lumped_mass};
 
 /// Simplices or vertices handled by one parallel task. Any size gives the same result.
 const CHUNK: usize = 4096;
 
-/// How far heat flows.
+/// The triangles between which heat flows on a surface. Vertices and distances are the same on both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum HeatTriangles {
+    /// Those of the intrinsic Delaunay triangulation: edges are flipped within the surface until no two angles opposite to one exceed a half
+    /// turn together (Bobenko, Springborn 2007). Slivers and obtuse angles do less harm.
+    #[default]
+    IntrinsicDelaunay,
+    /// Those of the mesh.
+    Given,
+}
+
+/// How far heat flows, and between which triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeatOptions {
     /// Time of the flow in units of the squared mean length of the edges; 1 by default. A longer time gives a smoother, less accurate
     /// distance.
     pub time: f64,
+    /// The triangles, on surfaces.
+    pub triangles: HeatTriangles,
 }
 
 impl Default for HeatOptions {
     fn default() -> Self {
-        Self { time: 1.0 }
+        Self { time: 1.0, triangles: HeatTriangles::default() }
     }
 }
 
@@ -33,7 +48,8 @@ impl Default for HeatOptions {
 /// with cold (Dirichlet) boundary.
 ///
 /// The distance is smooth and approximate: of first order in the length of the edges on regular meshes. It obeys no bound, and it is
-/// sensitive to obtuse angles; [`ExactGeodesic`](super::ExactGeodesic) is exact.
+/// sensitive to obtuse angles, the less so on the intrinsic Delaunay triangulation of a surface; [`ExactGeodesic`](super::ExactGeodesic) is
+/// exact.
 ///
 /// # Example
 /// ```
@@ -46,6 +62,8 @@ impl Default for HeatOptions {
 /// ```
 pub struct HeatGeodesic<'a> {
     complex: &'a SimplicialComplex,
+    /// The triangles, where they are others than those of the complex.
+    flat: Option<Flat>,
     components: Vec<u32>,
     symbolic: SymbolicCholesky,
     insulated: Cholesky,
@@ -71,14 +89,25 @@ impl<'a> HeatGeodesic<'a> {
     /// A fill-reducing ordering and two sparse factorisations, three with a boundary.
     ///
     /// # Source
-    /// Crane, Weischedel, Wardetzky 2013, *Geodesics in heat*; the time and the mean of boundary conditions are theirs.
+    /// Crane, Weischedel, Wardetzky 2013, *Geodesics in heat*; the time and the mean of boundary conditions are theirs. On intrinsic Delaunay
+    /// triangulations: Sharp, Soliman, Crane 2019, *Navigating intrinsic triangulations*.
     pub fn new(complex: &'a SimplicialComplex, options: HeatOptions) -> Result<Self, GeodesicError> {
         if !(options.time.is_finite() && options.time > 0.0) {
             return Err(GeodesicError::Number { what: "time of the heat flow", found: options.time });
         }
-        let laplacian = cotangent_laplacian(complex)?;
-        let mass = lumped_mass(complex)?;
-        let time = options.time * mean_edge_length(complex).powi(2);
+        let flat = match (options.triangles, complex.dimension()) {
+            (HeatTriangles::IntrinsicDelaunay, 2) => {
+                check_measures(complex)?;
+                // A mesh that is Delaunay already is taken as it is.
+                Some(Intrinsic::of(complex).flipped()).filter(|intrinsic| intrinsic.flips > 0).map(|intrinsic| Flat::new(intrinsic, complex))
+            }
+            _ => None,
+        };
+        let (laplacian, mass, edge) = match &flat {
+            Some(flat) => (flat.laplacian()?, flat.mass(), flat.mean_edge_length()),
+            None => (cotangent_laplacian(complex)?, lumped_mass(complex)?, mean_edge_length(complex)),
+        };
+        let time = options.time * edge.powi(2);
         let order = fill_reducing_order(&laplacian, Some(complex.points()))?;
         let symbolic = SymbolicCholesky::new(&laplacian, order)?;
         let slots = slots(&laplacian, &symbolic)?;
@@ -116,7 +145,12 @@ impl<'a> HeatGeodesic<'a> {
             false => None,
         };
         let poisson = factor(&|_, _, value| value, &|vertex| is_isolated(vertex) || is_pin(vertex))?;
-        Ok(Self { complex, components, symbolic, insulated, cold, is_boundary, poisson, pins })
+        Ok(Self { complex, flat, components, symbolic, insulated, cold, is_boundary, poisson, pins })
+    }
+
+    /// Edges that were flipped for the intrinsic Delaunay triangulation.
+    pub fn flips(&self) -> usize {
+        self.flat.as_ref().map_or(0, |flat| flat.intrinsic.flips)
     }
 
     /// The approximate distance of every vertex from the nearest of several sources.
@@ -182,34 +216,104 @@ impl<'a> HeatGeodesic<'a> {
     fn divergence(&self, heat: &[f64], is_reached: &[bool]) -> Result<Vec<f64>, GeodesicError> {
         let complex = self.complex;
         let simplices = (0..complex.simplex_count()).into_par_iter().with_min_len(CHUNK);
-        let shares: Vec<Option<[f64; 4]>> = simplices.map(|simplex| share(complex, simplex, heat)).collect();
-        let lost = |simplex: &usize| {
-            shares[*simplex].is_none() && is_reached[self.components[complex.simplex(*simplex)[0] as usize] as usize]
-        };
+        let shares: Vec<Option<[f64; 4]>> = simplices
+            .map(|simplex| match &self.flat {
+                Some(Flat { intrinsic, .. }) => {
+                    share(&intrinsic.corners[simplex], &intrinsic.gradients(simplex), intrinsic.area(simplex), heat)
+                }
+                None => share(complex.simplex(simplex), &dual_basis(complex, simplex), complex.measure(simplex), heat),
+            })
+            .collect();
+        let first = |simplex: usize| self.flat.as_ref().map_or(complex.simplex(simplex)[0], |flat| flat.intrinsic.corners[simplex][0]);
+        let lost = |simplex: &usize| shares[*simplex].is_none() && is_reached[self.components[first(*simplex) as usize] as usize];
         if let Some(simplex) = (0..shares.len()).find(lost) {
-            return Err(GeodesicError::HeatVanished { vertex: VertexId(complex.simplex(simplex)[0]) });
+            return Err(GeodesicError::HeatVanished { vertex: VertexId(first(simplex)) });
         }
-        let gathered = |vertex: usize| {
-            let own = |&simplex: &u32| {
-                let corner = complex.simplex(simplex as usize).iter().position(|&corner| corner as usize == vertex)?;
-                shares[simplex as usize].map(|share| share[corner])
-            };
-            complex.star(VertexId::from(vertex)).iter().filter_map(own).sum::<f64>()
+        let gathered = |vertex: usize| match &self.flat {
+            Some(flat) => {
+                let own = |&corner: &u32| shares[corner as usize / 3].map(|share| share[corner as usize % 3]);
+                flat.corners_at(vertex).iter().filter_map(own).sum::<f64>()
+            }
+            None => {
+                let own = |&simplex: &u32| {
+                    let corner = complex.simplex(simplex as usize).iter().position(|&corner| corner as usize == vertex)?;
+                    shares[simplex as usize].map(|share| share[corner])
+                };
+                complex.star(VertexId::from(vertex)).iter().filter_map(own).sum::<f64>()
+            }
         };
         Ok((0..complex.vertex_count()).into_par_iter().with_min_len(CHUNK).map(gathered).collect())
     }
 }
 
+/// An intrinsic triangulation with the corners at every vertex.
+struct Flat {
+    intrinsic: Intrinsic,
+    offsets: Vec<u32>,
+    /// Corners, three times their triangle plus their number, vertex by vertex and rising.
+    corners: Vec<u32>,
+}
+
+impl Flat {
+    fn new(intrinsic: Intrinsic, complex: &SimplicialComplex) -> Self {
+        let all = intrinsic.corners.as_flattened();
+        let mut offsets = vec![0u32; complex.vertex_count() + 1];
+        all.iter().for_each(|&vertex| offsets[vertex as usize + 1] += 1);
+        (1..offsets.len()).for_each(|at| offsets[at] += offsets[at - 1]);
+        let mut corners: Vec<u32> = (0..all.len() as u32).collect();
+        // Stable: corners of a vertex stay in their order.
+        corners.sort_by_key(|&corner| all[corner as usize]);
+        Self { intrinsic, offsets, corners }
+    }
+
+    fn corners_at(&self, vertex: usize) -> &[u32] {
+        &self.corners[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    }
+
+    /// The positive semi-definite cotangent Laplacian.
+    fn laplacian(&self) -> Result<CsrMatrix, MatrixError> {
+        let n = self.offsets.len() - 1;
+        let mut triplets = Vec::with_capacity(12 * self.intrinsic.corners.len() + n);
+        // The diagonal has its place even at vertices of no triangle.
+        triplets.extend((0..n as u32).map(|vertex| (vertex, vertex, 0.0)));
+        for (triangle, corners) in self.intrinsic.corners.iter().enumerate() {
+            let cotangents = self.intrinsic.cotangents(triangle);
+            for (side, cotangent) in cotangents.into_iter().enumerate() {
+                let (a, b, weight) = (corners[side], corners[(side + 1) % 3], 0.5 * cotangent);
+                // A loop has no gradient along itself.
+                if a != b {
+                    triplets.extend([(a, a, weight), (b, b, weight), (a, b, -weight), (b, a, -weight)]);
+                }
+            }
+        }
+        CsrMatrix::from_triplets(n, n, &triplets)
+    }
+
+    /// A third of the area of every triangle at each of its corners.
+    fn mass(&self) -> Vec<f64> {
+        let areas: Vec<f64> = (0..self.intrinsic.corners.len()).map(|triangle| self.intrinsic.area(triangle) / 3.0).collect();
+        let mass = |vertex: usize| self.corners_at(vertex).iter().map(|&corner| areas[corner as usize / 3]).sum();
+        (0..self.offsets.len() - 1).map(mass).collect()
+    }
+
+    /// Inner edges count twice, as they do in every triangulation of a closed surface.
+    fn mean_edge_length(&self) -> f64 {
+        let lengths = self.intrinsic.lengths.as_flattened();
+        self.intrinsic.scale * lengths.iter().sum::<f64>() / lengths.len().max(1) as f64
+    }
+}
+
 /// What a simplex adds to the divergence at each of its corners; `None` without a direction of the heat.
-fn share(complex: &SimplicialComplex, simplex: usize, heat: &[f64]) -> Option<[f64; 4]> {
-    let corners = complex.simplex(simplex);
-    let dimension = complex.dimension();
+///
+/// # Arguments
+/// * `basis`: the gradients of the barycentric coordinates of all corners but the first.
+fn share(corners: &[u32], basis: &[[f64; 3]; 3], measure: f64, heat: &[f64]) -> Option<[f64; 4]> {
+    let dimension = corners.len() - 1;
     let most = corners.iter().fold(0.0f64, |most, &corner| most.max(heat[corner as usize].abs()));
     // Below, digits are lost.
     if most < f64::MIN_POSITIVE / f64::EPSILON {
         return None;
     }
-    let basis = dual_basis(complex, simplex);
     let mut gradient = [0.0; 3];
     for (dual, &corner) in basis.iter().zip(&corners[1..]) {
         // Heat falls by many orders of magnitude; only ratios within a simplex matter.
@@ -217,7 +321,6 @@ fn share(complex: &SimplicialComplex, simplex: usize, heat: &[f64]) -> Option<[f
         gradient.iter_mut().zip(dual).for_each(|(slot, part)| *slot += rise * part);
     }
     let length = norm(gradient);
-    let measure = complex.measure(simplex);
     let mut share = [0.0; 4];
     if length > 0.0 {
         for (corner, dual) in basis[..dimension].iter().enumerate() {

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use morsmooth::audit::{AuditReport, Plateaus};
-use morsmooth::geodesic::{ExactGeodesic, GeodesicError, HeatGeodesic, HeatOptions};
+use morsmooth::geodesic::{ExactGeodesic, GeodesicError, HeatGeodesic, HeatOptions, HeatTriangles};
 use morsmooth::io::{
     ArrayData, DataArray, DataSet, MaskSources, PendingFile, domain, mask, read, write_temporary,
 };
@@ -59,6 +59,10 @@ pub struct GeodesicArgs {
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true)]
     pub heat_time: f64,
 
+    /// Triangles between which heat flows on a surface.
+    #[arg(long, value_enum, default_value_t = HeatTrianglesKind::Delaunay)]
+    pub heat_triangles: HeatTrianglesKind,
+
     /// Array whose zeros are holes in the domain.
     #[arg(long, value_name = "NAME")]
     pub mask: Option<String>,
@@ -103,6 +107,24 @@ pub enum MethodKind {
     Exact,
     /// Fast and approximate, also in tetrahedra.
     Heat,
+}
+
+/// Values of `--heat-triangles`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum HeatTrianglesKind {
+    /// Those of the intrinsic Delaunay triangulation: more accurate where angles are obtuse.
+    Delaunay,
+    /// Those of the mesh.
+    Given,
+}
+
+impl HeatTrianglesKind {
+    fn triangles(self) -> HeatTriangles {
+        match self {
+            Self::Delaunay => HeatTriangles::IntrinsicDelaunay,
+            Self::Given => HeatTriangles::Given,
+        }
+    }
 }
 
 /// Distances of all vertices.
@@ -204,7 +226,7 @@ fn distances(args: &GeodesicArgs, domain: &Domain, sources: &Sources) -> Result<
     let sets = if args.each { sources.each() } else { vec![sources.points.clone()] };
     let result = match args.method {
         MethodKind::Exact => ExactGeodesic::new(complex).and_then(|exact| exact.distances_each(&sets)),
-        MethodKind::Heat => HeatGeodesic::new(complex, HeatOptions { time: args.heat_time })
+        MethodKind::Heat => HeatGeodesic::new(complex, HeatOptions { time: args.heat_time, triangles: args.heat_triangles.triangles() })
             .and_then(|mut heat| sets.iter().map(|set| heat.distances(set)).collect::<Result<Vec<_>, _>>()),
     };
     let found = result.map_err(|error| failure(args, domain, &error))?;

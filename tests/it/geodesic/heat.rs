@@ -1,10 +1,10 @@
 //! The heat method: near the truth, and nearer on finer meshes.
 
 use morsmooth::field::VertexId;
-use morsmooth::geodesic::{GeodesicError, HeatGeodesic, HeatOptions, SurfacePoint};
+use morsmooth::geodesic::{GeodesicError, HeatGeodesic, HeatOptions, HeatTriangles, SurfacePoint};
 use morsmooth::mesh::{Domain, Grid, Mask, SimplicialComplex};
 
-use super::{at, distance};
+use super::{Random, at, distance, from, grid};
 
 fn worst(mesh: &SimplicialComplex, source: usize) -> f64 {
     let found = HeatGeodesic::new(mesh, HeatOptions::default()).unwrap().distances(&[at(source)]).unwrap();
@@ -56,10 +56,114 @@ fn factors_serve_many_sources_and_parts_without_source_are_infinitely_far() {
     assert_eq!(heat.distances(&[at(40)]).unwrap(), first, "nothing is left of other sources");
 }
 
+/// Largest error against a truth, on the Delaunay triangulation and on the given one, and how many edges were flipped.
+fn both(mesh: &SimplicialComplex, source: usize, truth: &[f64]) -> ([f64; 2], usize) {
+    let mut flips = 0;
+    let errors = [HeatTriangles::IntrinsicDelaunay, HeatTriangles::Given].map(|triangles| {
+        let mut heat = HeatGeodesic::new(mesh, HeatOptions { triangles, ..HeatOptions::default() }).unwrap();
+        flips = flips.max(heat.flips());
+        let found = heat.distances(&[at(source)]).unwrap();
+        found.iter().zip(truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    });
+    (errors, flips)
+}
+
+#[test]
+fn flipped_edges_make_up_for_a_bad_mesh() {
+    // A rectangle of slivers: sheared by twice its height, cut along random diagonals, its points moved a little.
+    let sheared = |i: f64, j: f64, random: &mut Random| {
+        let (x, y) = (i / 30.0 + 0.01 * random.next(), j / 30.0 + 0.01 * random.next());
+        [x + 2.0 * y, y, 0.0]
+    };
+    let flat = grid([61, 31], &mut Random(1), sheared, |_, _| true);
+    let truth = |mesh: &SimplicialComplex, source: usize| from(mesh, source);
+    let (errors, flips) = both(&flat, 945, &truth(&flat, 945));
+    assert!(flips > 300 && errors[0] < 0.1 * errors[1], "{errors:?} after {flips} flips");
+    // A bumpy sheet of stretched triangles.
+    let bumpy = |i: f64, j: f64, random: &mut Random| {
+        let (x, y) = (i / 8.0 + 0.05 * random.next(), j / 2.0);
+        [x + 0.8 * y, y, 0.6 * (1.3 * x).sin() * (0.9 * y).cos()]
+    };
+    let sheet = grid([60, 24], &mut Random(7), bumpy, |i, j| i < 50 || j > 3);
+    let (errors, flips) = both(&sheet, 700, &truth(&sheet, 700));
+    assert!(flips > 300 && errors[0] < 0.3 * errors[1], "{errors:?} after {flips} flips");
+    // Scale and place of the mesh change nothing but the unit.
+    let scaled: Vec<[f64; 3]> = sheet.points().iter().map(|point| point.map(|part| part * 1e-90)).collect();
+    let small = SimplicialComplex::new(2, scaled, sheet.simplices().to_vec()).unwrap();
+    let of = |mesh: &SimplicialComplex| HeatGeodesic::new(mesh, HeatOptions::default()).unwrap().distances(&[at(700)]).unwrap();
+    for (large, small) in of(&sheet).iter().zip(of(&small)) {
+        // Points of no triangle are infinitely far.
+        assert!(large == small || (large - small * 1e90).abs() < 1e-6, "{large} {small}");
+    }
+}
+
+#[test]
+fn a_mesh_of_acute_triangles_is_taken_as_it_is() {
+    let place = |i: f64, j: f64, _: &mut Random| [i + 0.5 * j, 0.75f64.sqrt() * j, 0.0];
+    // Every square cut along the shorter diagonal: equilateral triangles.
+    let mut mesh = grid([15, 15], &mut Random(3), place, |_, _| true);
+    let corners = (0..14 * 14u32).flat_map(|square| {
+        let a = square / 14 * 15 + square % 14;
+        [a, a + 1, a + 15, a + 1, a + 16, a + 15]
+    });
+    mesh = SimplicialComplex::new(2, mesh.points().to_vec(), corners.collect()).unwrap();
+    let of = |triangles| {
+        let mut heat = HeatGeodesic::new(&mesh, HeatOptions { triangles, ..HeatOptions::default() }).unwrap();
+        (heat.flips(), heat.distances(&[at(112)]).unwrap())
+    };
+    assert_eq!(of(HeatTriangles::IntrinsicDelaunay), of(HeatTriangles::Given));
+    assert_eq!(of(HeatTriangles::IntrinsicDelaunay).0, 0);
+}
+
+#[test]
+fn surfaces_that_are_turned_glued_or_one_sided_are_flipped_where_they_can_be() {
+    // A Möbius strip of slivers, triangles in random orientation; and three sheets at one edge.
+    let mut random = Random(11);
+    let (around, across) = (40usize, 4usize);
+    let points: Vec<[f64; 3]> = (0..around * across)
+        .map(|at| {
+            let angle = std::f64::consts::TAU * (at / across) as f64 / around as f64;
+            let (out, (sine, cosine)) = (0.3 * ((at % across) as f64 - 1.5), angle.sin_cos());
+            let (half_sine, half_cosine) = (0.5 * angle).sin_cos();
+            let radius = 2.0 + out * half_cosine;
+            [radius * cosine, radius * sine, out * half_sine]
+        })
+        .collect();
+    let number = |i: usize, j: usize| if i < around { i * across + j } else { across - 1 - j } as u32;
+    let mut corners = Vec::new();
+    for i in 0..around {
+        for j in 0..across - 1 {
+            let [a, b, c, d] = [number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
+            for [p, q, r] in if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] } {
+                corners.extend(if random.next() < 0.5 { [p, q, r] } else { [q, p, r] });
+            }
+        }
+    }
+    let strip = SimplicialComplex::new(2, points, corners).unwrap();
+    let truth = from(&strip, 5);
+    let (errors, flips) = both(&strip, 5, &truth);
+    assert!(flips > 0 && errors[0] < 0.65 && errors[0] < errors[1], "{errors:?} after {flips} flips");
+    let mut fan = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
+    let mut corners = Vec::new();
+    for (y, z) in [(0.2, 0.0), (-0.2, 0.1), (0.0, 0.3)] {
+        let at = fan.len() as u32;
+        fan.extend([[0.4, y, z], [0.6, 1.5 * y, 1.5 * z]]);
+        corners.extend([0, 1, at, 1, at + 1, at]);
+    }
+    let fan = SimplicialComplex::new(2, fan, corners).unwrap();
+    assert!(HeatGeodesic::new(&fan, HeatOptions::default()).unwrap().distances(&[at(0)]).unwrap().iter().all(|d| d.is_finite()));
+    // The same bits for any number of threads.
+    let bits = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| HeatGeodesic::new(&strip, HeatOptions::default()).unwrap().distances(&[at(5)]).unwrap())
+    };
+    assert!(bits(1) == bits(3));
+}
+
 #[test]
 fn what_cannot_be_done_is_refused() {
     let mesh = box_grid(5, 2);
-    let time = |time| HeatGeodesic::new(&mesh, HeatOptions { time }).err();
+    let time = |time| HeatGeodesic::new(&mesh, HeatOptions { time, ..HeatOptions::default() }).err();
     assert_eq!(time(0.0), Some(GeodesicError::Number { what: "time of the heat flow", found: 0.0 }));
     assert!(matches!(time(f64::NAN), Some(GeodesicError::Number { .. })));
     let mut heat = HeatGeodesic::new(&mesh, HeatOptions::default()).unwrap();
@@ -71,5 +175,5 @@ fn what_cannot_be_done_is_refused() {
     let line = SimplicialComplex::new(1, points, (0..1499).flat_map(|k| [k, k + 1]).collect()).unwrap();
     let mut heat = HeatGeodesic::new(&line, HeatOptions::default()).unwrap();
     assert!(matches!(heat.distances(&[at(0)]), Err(GeodesicError::HeatVanished { .. })));
-    assert!(HeatGeodesic::new(&line, HeatOptions { time: 100.0 }).unwrap().distances(&[at(0)]).is_ok());
+    assert!(HeatGeodesic::new(&line, HeatOptions { time: 100.0, ..HeatOptions::default() }).unwrap().distances(&[at(0)]).is_ok());
 }

@@ -5,18 +5,20 @@ use morsmooth::field::VertexId;
 use morsmooth::io::{DataSet, MaskSources, domain, mask};
 
 use super::Bench;
-use super::fields::{doubles, image, noise, plain_extrema};
+use super::fields::{doubles, image, noise};
 
 /// A grid without data.
 fn grid(dims: [usize; 3]) -> DataSet {
     image(dims, Vec::new())
 }
 
-/// Minima and maxima of the array that was written, and its values.
+/// Minima and maxima of the array that was written, equal neighbours told apart by their numbers, and its values.
 fn found(dataset: &DataSet) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+    let domain = domain(dataset, &mask(dataset, &MaskSources::default()).unwrap()).unwrap();
     let values = dataset.point_array("interpolated").unwrap().to_f64(0);
-    let (minima, maxima) = plain_extrema(dataset, &values, None, None);
-    (minima, maxima, values)
+    let real = extrema(&domain.complex, &domain.restrict(&values)).unwrap();
+    let points = |vertices: &[VertexId]| domain.points_of(vertices).into_iter().map(|point| point as usize).collect();
+    (points(&real.minima), points(&real.maxima), values)
 }
 
 #[test]

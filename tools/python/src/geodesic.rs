@@ -55,7 +55,7 @@ pub fn geodesic(
         let result = match method {
             Method::Exact => ExactGeodesic::new(&domain.complex).and_then(|exact| exact.distances(&sources)),
             Method::Heat => {
-                HeatGeodesic::new(&domain.complex, HeatOptions { time: options.heat_time }).and_then(|mut heat| heat.distances(&sources))
+                HeatGeodesic::new(&domain.complex, HeatOptions { time: options.heat_time, ..HeatOptions::default() }).and_then(|mut heat| heat.distances(&sources))
             }
         };
         let distances = result.map_err(|error| failure(&domain, &error))?;
