@@ -70,14 +70,6 @@ pub(super) fn values_of_bytes<T: Element>(bytes: &[u8], order: ByteOrder) -> Vec
     values
 }
 
-/// Appends all numbers in `bytes`, whose length must be a multiple of the width.
-pub(super) fn extend_with_bytes<T: Element>(values: &mut Vec<T>, bytes: &[u8], order: ByteOrder) {
-    match order {
-        ByteOrder::Little => values.extend(bytes.chunks_exact(T::WIDTH).map(|one| T::of_bytes(one, ByteOrder::Little))),
-        ByteOrder::Big => values.extend(bytes.chunks_exact(T::WIDTH).map(|one| T::of_bytes(one, ByteOrder::Big))),
-    }
-}
-
 /// The first `count` bits, highest bit of a byte first.
 pub(super) fn unpack_bits(bytes: &[u8], count: usize) -> Vec<bool> {
     bytes.iter().flat_map(|byte| (0..8).rev().map(move |bit| byte >> bit & 1 == 1)).take(count).collect()

@@ -19,6 +19,8 @@ mod handles;
 mod json;
 mod legacy;
 mod lexer;
+#[cfg(feature = "vtkio")]
+mod model;
 mod outline;
 mod parallel;
 mod pending;
@@ -47,4 +49,6 @@ pub use positions::set_positions;
 pub use read::read;
 pub use reshape::{GeometryKind, ReshapeError, reshape};
 pub use ttk::{Numbering, TtkComplex, TtkError};
+#[cfg(feature = "vtkio")]
+pub use model::{VtkioError, from_vtkio, to_vtkio};
 pub use write::{Compression, losses, write, write_temporary, write_temporary_with};

@@ -13,7 +13,7 @@ use super::xml::Index;
 use super::{legacy, xml};
 
 /// Reads a data set from a VTK XML file (`.vti .vtr .vts .vtp .vtu`), a parallel one (`.pvti .pvtr .pvts .pvtp .pvtu`), a legacy
-/// `.vtk` file, a mesh file (`.obj .off .ply .stl .mesh .msh`), or a table (`.csv .tsv`).
+/// `.vtk` file, a mesh file (`.obj .off .ply .stl .mesh .msh`), a table (`.csv .tsv`), an image (`.png`), or an array (`.npy`).
 ///
 /// Pieces of a parallel file become one data set without seams: ghost cells are left out, and points that stand in several pieces are one.
 /// A collection (`.vtm .pvd`) is read if it names one file; of several, `case.vtm/inlet` or `steps.pvd/3` is one of them, as
@@ -83,7 +83,7 @@ fn is_xml(bytes: &[u8]) -> bool {
 }
 
 fn read_bytes(bytes: &[u8], format: Option<MeshFormat>) -> Result<DataSet, Fault> {
-    const KNOWN: &str = "a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), or an image (.png)";
+    const KNOWN: &str = "a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), an image (.png), or an array (.npy)";
     if bytes.starts_with(b"# vtk DataFile") {
         return legacy::read(bytes);
     }

@@ -25,7 +25,7 @@ impl GeometryKind {
     /// The kind that files of an extension hold; `None` for `.vtk`, which holds every kind, and for unknown ones.
     pub fn of_extension(extension: &str) -> Option<Self> {
         match extension.to_ascii_lowercase().as_str() {
-            "vti" | "png" => Some(Self::ImageData),
+            "vti" | "png" | "npy" => Some(Self::ImageData),
             "vtr" => Some(Self::RectilinearGrid),
             "vts" => Some(Self::StructuredGrid),
             "vtp" | "obj" | "off" | "ply" | "stl" => Some(Self::PolyData),

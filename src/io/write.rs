@@ -100,7 +100,7 @@ pub(super) fn all_arrays(dataset: &DataSet) -> impl Iterator<Item = &DataArray> 
 }
 
 /// A data set built by hand may contradict itself; a file must not.
-fn check(dataset: &DataSet) -> Result<(), Objection> {
+pub(super) fn check(dataset: &DataSet) -> Result<(), Objection> {
     let counted = |kind: &str, attributes: &Attributes, count: usize| {
         match attributes.arrays.iter().find(|array| array.components.checked_mul(count) != Some(array.data.len())) {
             Some(array) => Err((

@@ -11,28 +11,41 @@ use serde_json::{Map, Value, json};
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["--time", file, copy] => time(file, copy),
+        ["--read", file] => time(file, None),
+        ["--write", file, copy] => time(file, Some((copy, Compression::None))),
+        ["--pack", file, copy] => time(file, Some((copy, Compression::Zlib))),
         [files, out] => probe(Path::new(files), Path::new(out)),
-        _ => panic!("usage: vtk_probe FILES OUT, or vtk_probe --time FILE COPY"),
+        _ => panic!("usage: vtk_probe FILES OUT, or vtk_probe --read FILE, or --write or --pack FILE COPY"),
     }
 }
 
-/// Best of five, so that the state of the disk cache does not count.
-fn time(file: &str, copy: &str) {
-    let best = |run: &mut dyn FnMut()| {
-        (0..5)
-            .map(|_| {
-                let start = Instant::now();
-                run();
-                start.elapsed().as_secs_f64()
-            })
-            .fold(f64::INFINITY, f64::min)
-    };
-    let read = best(&mut || drop(io::read(file).unwrap()));
+/// Wall and processor seconds of one reading, or of one writing after it, as JSON.
+fn time(file: &str, copy: Option<(&str, Compression)>) {
+    let (start, before) = (Instant::now(), processor_seconds());
     let dataset = io::read(file).unwrap();
-    let write = best(&mut || io::write(copy, &dataset).unwrap());
-    let pack = best(&mut || io::write_temporary_with(copy, &dataset, Compression::Zlib).unwrap().commit().unwrap());
-    println!("read {read:.5} s, write {write:.5} s, write zlib {pack:.5} s");
+    let read = (start.elapsed().as_secs_f64(), processor_seconds() - before);
+    let written = copy.map(|(copy, compression)| {
+        let (start, before) = (Instant::now(), processor_seconds());
+        io::write_temporary_with(copy, &dataset, compression).unwrap().commit().unwrap();
+        (start.elapsed().as_secs_f64(), processor_seconds() - before)
+    });
+    println!("{}", json!({ "read": read, "write": written, "peak": peak_bytes() }));
+}
+
+/// Most memory that this process ever held, as Linux counts it; 0 elsewhere.
+fn peak_bytes() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|line| line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()).unwrap_or(0) * 1024
+}
+
+/// User and system time of this process, as Linux counts it; 0 elsewhere.
+fn processor_seconds() -> f64 {
+    const TICKS_A_SECOND: f64 = 100.0;
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+    let ticks = |place: usize| fields.get(place).and_then(|text| text.parse::<f64>().ok()).unwrap_or(0.0);
+    (ticks(11) + ticks(12)) / TICKS_A_SECOND
 }
 
 fn probe(files: &Path, out: &Path) {

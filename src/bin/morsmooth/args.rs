@@ -417,7 +417,8 @@ pub struct CheckArgs {
 /// `morsmooth convert`.
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
-    /// File to read: .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
+    /// File to read: .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), an image (.png), an
+    /// array (.npy), or a list (.vtm .pvd, a pattern in quotes).
     pub input: PathBuf,
 
     /// File to write; its extension, one of the same, chooses the format.

@@ -55,7 +55,7 @@ pub fn run(args: &SmoothArgs, series: &Series) -> Result<Outcome, Failure> {
     report.tell(&talk, is_written)?;
     match report.failure() {
         Some(failure) => Err(failure),
-        None if ended.iter().any(|ended| ended.made == Made::NotMet) => Ok(Outcome::NotMet),
+        None if ended.iter().any(Ended::is_not_met) => Ok(Outcome::NotMet),
         None => Ok(Outcome::Done),
     }
 }

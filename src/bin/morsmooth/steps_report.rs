@@ -65,6 +65,11 @@ impl Ended {
         Self { made: Made::Found, file: Some(file), told: record.told.clone(), warnings: Vec::new(), failure: None, record: Some(record), pending: None }
     }
 
+    /// Whether its audit failed, in this run or in the one that wrote its file (--keep-unaudited).
+    pub fn is_not_met(&self) -> bool {
+        self.made == Made::NotMet || self.told["made"] == json!(Made::NotMet)
+    }
+
     /// In a line.
     pub fn line(&self) -> String {
         let counts: Vec<String> = self.counts().map(|(_, before, after)| format!("{} -> {} extrema", total(before), total(after))).collect();

@@ -7,7 +7,7 @@ use crate::io::error::Fault;
 use crate::io::write::Objection;
 
 use super::shapes::Shapes;
-use super::{gmsh, gmsh_write, medit, obj, off, ply, png, series, stl};
+use super::{gmsh, gmsh_write, medit, npy, obj, off, ply, png, series, stl};
 
 /// A format of a mesh file, named by its extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,12 +19,13 @@ pub(in crate::io) enum MeshFormat {
     Medit,
     Gmsh,
     Png,
+    Npy,
     /// A table with this separator.
     Table(u8),
 }
 
 impl MeshFormat {
-    const EXTENSIONS: [(&'static str, Self); 9] = [
+    const EXTENSIONS: [(&'static str, Self); 10] = [
         ("obj", Self::Obj),
         ("off", Self::Off),
         ("ply", Self::Ply),
@@ -32,6 +33,7 @@ impl MeshFormat {
         ("mesh", Self::Medit),
         ("msh", Self::Gmsh),
         ("png", Self::Png),
+        ("npy", Self::Npy),
         ("csv", Self::Table(b',')),
         ("tsv", Self::Table(b'\t')),
     ];
@@ -49,6 +51,7 @@ impl MeshFormat {
             Self::Medit => medit::read(bytes),
             Self::Gmsh => gmsh::read(bytes),
             Self::Png => png::read(bytes),
+            Self::Npy => npy::read(bytes),
             Self::Table(_) => series::read(bytes),
         }
     }
@@ -64,6 +67,9 @@ impl MeshFormat {
         if self == Self::Png {
             return png::losses(dataset);
         }
+        if self == Self::Npy {
+            return npy::losses(dataset);
+        }
         let shapes = Shapes::of(dataset)?;
         shapes.check(self)?;
         Ok(shapes.losses(self, dataset))
@@ -76,6 +82,9 @@ impl MeshFormat {
         if self == Self::Png {
             return png::write(dataset, out);
         }
+        if self == Self::Npy {
+            return npy::write(dataset, out);
+        }
         let shapes = Shapes::of(dataset).map_err(|(found, expected)| invalid(found, expected))?;
         match self {
             Self::Obj => obj::write(&shapes, out),
@@ -84,7 +93,7 @@ impl MeshFormat {
             Self::Stl => stl::write(&shapes, out),
             Self::Medit => medit::write(&shapes, dataset, out),
             Self::Gmsh => gmsh_write::write(&shapes, dataset, out),
-            Self::Png | Self::Table(_) => Ok(()),
+            Self::Png | Self::Npy | Self::Table(_) => Ok(()),
         }
     }
 }

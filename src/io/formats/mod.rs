@@ -1,4 +1,4 @@
-//! Mesh files of other programs: `.obj .off .ply .stl .mesh .msh`; tables: `.csv .tsv`; images: `.png`.
+//! Mesh files of other programs: `.obj .off .ply .stl .mesh .msh`; tables: `.csv .tsv`; images: `.png`; arrays: `.npy`.
 //!
 //! Points keep their numbers, since handles and extrema are named by them; the crate `tobj` renumbers points by group and
 //! no maintained crate reads `.off`, Medit or Gmsh files, so these four are read here. `.ply` and `.stl` go through crates.
@@ -8,6 +8,7 @@ mod format;
 mod gmsh;
 mod gmsh_write;
 mod medit;
+mod npy;
 mod obj;
 mod off;
 mod parts;

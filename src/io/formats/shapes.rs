@@ -85,7 +85,7 @@ impl<'a> Shapes<'a> {
             MeshFormat::Obj => (&[1, 2, 3, 4, 5, 7, 9], "points, lines, triangles, quads and polygons"),
             MeshFormat::Medit => (&[1, 3, 5, 9, 10, 12], "points, lines, triangles, quads, tetrahedra and hexahedra"),
             // Cells of any kind are left out of tables.
-            MeshFormat::Png | MeshFormat::Table(_) => return Ok(()),
+            MeshFormat::Png | MeshFormat::Npy | MeshFormat::Table(_) => return Ok(()),
             MeshFormat::Gmsh => {
                 (&[1, 3, 5, 9, 10, 12, 13, 14], "points, lines, triangles, quads, tetrahedra, hexahedra, wedges and pyramids")
             }

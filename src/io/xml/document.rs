@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
 
 use roxmltree::{Document, Node, ParsingOptions};
 
@@ -46,46 +45,44 @@ impl<'a> Source<'a> {
         match self {
             Self::Memory(bytes) => Ok(Cow::Borrowed(&bytes[start..start + count])),
             Self::File { .. } => {
-                let mut bytes = Vec::with_capacity(count);
-                self.chunks(start, count, usize::MAX, |chunk| {
-                    if bytes.is_empty() { bytes = std::mem::take(chunk) } else { bytes.extend_from_slice(chunk) }
-                })?;
+                let mut bytes = vec![0; count];
+                self.read_at(start, &mut bytes)?;
                 Ok(Cow::Owned(bytes))
             }
         }
     }
 
-    /// Hands the bytes of a range out, at most `size` at a time.
-    pub fn chunks(
-        &self,
-        start: usize,
-        count: usize,
-        size: usize,
-        mut take: impl FnMut(&mut Vec<u8>),
-    ) -> Result<(), Fault> {
+    /// Fills a buffer with the bytes from a place on. Threads may read at the same time.
+    pub fn read_at(&self, start: usize, buffer: &mut [u8]) -> Result<(), Fault> {
         match self {
-            Self::Memory(bytes) => {
-                for chunk in bytes.get(start..start.saturating_add(count)).unwrap_or_default().chunks(size) {
-                    take(&mut chunk.to_vec());
+            Self::Memory(bytes) => match bytes.get(start..).and_then(|bytes| bytes.get(..buffer.len())) {
+                Some(bytes) => {
+                    buffer.copy_from_slice(bytes);
+                    Ok(())
                 }
-                Ok(())
-            }
+                None => Err(Fault::new(Place::Byte(start), "the end of the file", format!("{} bytes", buffer.len()))),
+            },
             Self::File { file, .. } => {
-                let mut file = *file;
                 let failed = |error| Fault::new(Place::Byte(start), format!("an error of the disk ({error})"), "bytes");
-                file.seek(SeekFrom::Start(start as u64)).map_err(failed)?;
-                let mut left = count;
-                let mut buffer = Vec::new();
-                while left > 0 {
-                    buffer.resize(left.min(size), 0);
-                    file.read_exact(&mut buffer).map_err(failed)?;
-                    left -= buffer.len();
-                    take(&mut buffer);
-                }
-                Ok(())
+                read_exact_at(file, start as u64, buffer).map_err(failed)
             }
         }
     }
+}
+
+#[cfg(unix)]
+fn read_exact_at(file: &File, start: u64, buffer: &mut [u8]) -> std::io::Result<()> {
+    std::os::unix::fs::FileExt::read_exact_at(file, buffer, start)
+}
+
+/// Where a file has one place for all threads, each takes a turn.
+#[cfg(not(unix))]
+fn read_exact_at(mut file: &File, start: u64, buffer: &mut [u8]) -> std::io::Result<()> {
+    use std::io::{Read, Seek, SeekFrom};
+    static TURN: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    file.seek(SeekFrom::Start(start))?;
+    file.read_exact(buffer)
 }
 
 /// What follows the `_` of `<AppendedData>`.

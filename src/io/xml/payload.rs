@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use roxmltree::Node;
 
 use crate::io::array::{ArrayData, DataArray, InformationKey, InformationValue, ValueType};
-use crate::io::bytes::{Element, extend_with_bytes, unpack_bits, values_of_bytes};
+use crate::io::bytes::{ByteOrder, Element, unpack_bits, values_of_bytes};
 use crate::io::error::{Fault, Place, quoted};
 
 use super::base64::Decoder;
@@ -234,14 +234,34 @@ fn binary_values(
 fn elements<T: Element>(context: &Context<'_>, payload: Payload<'_>) -> Result<Vec<T>, Fault> {
     match payload {
         Payload::Blocks(blocks) if blocks.block > 0 && blocks.block % T::WIDTH == 0 => block_elements(context, &blocks),
-        Payload::Range { source, start, count } => {
-            // A multiple of every width, small enough to stay in the cache on the way.
-            const CHUNK: usize = 1 << 18;
-            let mut values = Vec::with_capacity(count / T::WIDTH);
-            source.chunks(start, count, CHUNK, |chunk| extend_with_bytes(&mut values, chunk, context.order))?;
-            Ok(values)
-        }
+        Payload::Range { source, start, count } => range_elements(context, &source, start, count),
         other => Ok(values_of_bytes(&other.unpack()?, context.order)),
+    }
+}
+
+/// Reads plain numbers from the disk in parallel, each part into its place; no byte is in memory twice but for a buffer a thread.
+fn range_elements<T: Element>(context: &Context<'_>, source: &Source<'_>, start: usize, count: usize) -> Result<Vec<T>, Fault> {
+    /// A multiple of every width, small enough to stay in the cache on the way.
+    const CHUNK: usize = 1 << 18;
+    let mut values = vec![T::default(); count / T::WIDTH];
+    let fault = values
+        .par_chunks_mut(CHUNK / T::WIDTH)
+        .enumerate()
+        .map_init(Vec::<u8>::new, |buffer, (number, target)| {
+            buffer.resize(target.len() * T::WIDTH, 0);
+            source.read_at(start + number * CHUNK, buffer)?;
+            let pairs = target.iter_mut().zip(buffer.chunks_exact(T::WIDTH));
+            match context.order {
+                // Two loops, so that each is a plain copy or byte swap.
+                ByteOrder::Little => pairs.for_each(|(value, bytes)| *value = T::of_bytes(bytes, ByteOrder::Little)),
+                ByteOrder::Big => pairs.for_each(|(value, bytes)| *value = T::of_bytes(bytes, ByteOrder::Big)),
+            }
+            Ok(())
+        })
+        .find_map_first(Result::err);
+    match fault {
+        Some(fault) => Err(fault),
+        None => Ok(values),
     }
 }
 

@@ -42,10 +42,13 @@ enum Stored<'a> {
     Packed(Vec<u8>),
 }
 
+/// Bytes handed over at a time: as many as the file's own buffer, which they pass by then, and few enough to stay in the cache.
+const HANDFUL: usize = 1 << 18;
+
 /// Writes numbers through a buffer that stays in the cache.
 fn write_numbers<T: Copy, N: Element>(values: &[T], convert: impl Fn(T) -> N, file: &mut impl Write) -> io::Result<()> {
-    let mut buffer = Vec::with_capacity(BLOCK);
-    for chunk in values.chunks(BLOCK / N::WIDTH) {
+    let mut buffer = Vec::with_capacity(HANDFUL.min(values.len() * N::WIDTH));
+    for chunk in values.chunks(HANDFUL / N::WIDTH) {
         buffer.clear();
         for &value in chunk {
             convert(value).push_bytes(ByteOrder::Little, &mut buffer);

@@ -110,3 +110,31 @@ fn digits_replaced_by_others_never_panic() {
         }
     }
 }
+
+#[test]
+fn damaged_lists_never_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = b"<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\"><vtkMultiBlockDataSet><Block index=\"0\" name=\"a\">\
+        <DataSet index=\"0\" name=\"b\" file=\"n.vtu\"/><DataSet index=\"1\"/></Block></vtkMultiBlockDataSet></VTKFile>";
+    let path = folder.path().join("list.vtm");
+    let mut random = Random(0xabcd_5678_9abc_def1);
+    let (mut read, mut refused) = (0, 0);
+    for round in 0..2000 {
+        let mut damaged = whole.to_vec();
+        if round % 4 == 0 {
+            damaged.truncate(random.below(whole.len()));
+        } else {
+            let place = random.below(damaged.len());
+            damaged[place] ^= 1 << random.below(8);
+        }
+        std::fs::write(&path, &damaged).unwrap();
+        match morsmooth::io::Collection::read(&path) {
+            Ok(_) => read += 1,
+            Err(error) => {
+                assert!(error.to_string().contains("expected"), "{error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(read > 100 && refused > 100, "{read} {refused}");
+}

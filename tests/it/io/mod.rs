@@ -1,11 +1,14 @@
 //! The module `io`, on files that real VTK wrote (`tools/vtk/generate.py`), on damaged ones and on hand-written ones.
 
+mod arrays;
 mod collections;
 mod damage;
 mod domains;
 mod handles;
 mod images;
 mod meshes;
+#[cfg(feature = "vtkio")]
+mod model;
 mod parallel;
 mod encodings;
 mod refusals;

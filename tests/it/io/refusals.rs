@@ -22,7 +22,7 @@ fn message(bytes: impl AsRef<[u8]>) -> String {
 
 #[test]
 fn files_that_are_no_vtk_files() {
-    let known = "a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), or an image (.png)";
+    let known = "a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), an image (.png), or an array (.npy)";
     assert_eq!(message(""), format!("bad: found an empty file; expected {known}"));
     assert_eq!(message("x,y\n1,2\n"), format!("bad: a file of unknown format cannot be read here; expected {known}"));
     assert_eq!(message(b"\x89HDF\r\n\x1a\n"), format!("bad: an HDF5 file cannot be read here; expected {known}"));

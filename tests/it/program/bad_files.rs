@@ -45,7 +45,7 @@ fn files_that_are_none_of_vtk() {
     bench.text("table.vti", "x,y,h\n1,2,3\n");
     bench.text("picture.vti", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR");
     bench.text("page.vti", "<html></html>");
-    refuses(&bench, "empty.vti", "out.vti", &["error: empty.vti: found an empty file; expected a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), or an image (.png)"]);
+    refuses(&bench, "empty.vti", "out.vti", &["error: empty.vti: found an empty file; expected a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), an image (.png), or an array (.npy)"]);
     refuses(&bench, "table.vti", "out.vti", &["error: table.vti", "unknown format", "expected a serial VTK XML file"]);
     refuses(&bench, "picture.vti", "out.vti", &["error: picture.vti", "cannot be read here", "expected a serial VTK XML file"]);
     refuses(&bench, "page.vti", "out.vti", &["error: page.vti, line 1", "<html>", "expected <VTKFile>"]);

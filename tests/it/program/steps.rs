@@ -186,6 +186,18 @@ fn files_that_fit_a_pattern_are_a_series() {
     bench.refuses(&[&["smooth", "s?.vti", "out.vti"][..], &WISH].concat(), &["found 2 files that fit s?.vti; expected an output ending in .pvd"]);
 }
 
+#[test]
+fn a_step_that_fails_the_audit_is_told_again() {
+    let bench = series();
+    // No field is known that fails the audit; a run that met one would have left this record.
+    let (code, _) = smooth(&bench, &["--keep-unaudited"]);
+    assert_eq!(code, 0);
+    let journal = std::fs::read_to_string(bench.path("out.pvd.jsonl")).unwrap();
+    bench.text("out.pvd.jsonl", journal.replacen("\"made\":\"smoothed\"", "\"made\":\"not_met\"", 1));
+    let (code, report) = smooth(&bench, &["--keep-unaudited"]);
+    assert_eq!((code, statuses(&report, "steps")), (1, vec!["found".to_owned(); 4]));
+}
+
 /// Blocks within blocks: a grid, a surface, one without a file, and one without the array.
 fn blocks() -> Bench {
     let bench = Bench::new();
