@@ -204,8 +204,7 @@ fn turned(corners: &[[u32; 3]]) -> Vec<bool> {
         stack.push(start);
         while let Some(triangle) = stack.pop() {
             let own = turned[triangle].unwrap_or(false);
-            for side in 3 * triangle..3 * triangle + 3 {
-                let other = across[side];
+            for (side, &other) in across.iter().enumerate().skip(3 * triangle).take(3) {
                 if other == NO_SIDE || turned[other as usize / 3].is_some() {
                     continue;
                 }

@@ -155,7 +155,7 @@ fn solved(
     let solution = solve(&mut engine, &problem);
     let seconds = processor_seconds() - clock;
     let x = deformer.positions(&scene.targets, &solution.x).unwrap();
-    let inverted = deformer.rest().determinants(&x).unwrap().iter().filter(|det| !(**det > 0.0)).count();
+    let inverted = deformer.rest().determinants(&x).unwrap().iter().filter(|det| det.is_nan() || **det <= 0.0).count();
     Row { how: format!("{:?}", solution.status), steps: solution.factorizations, seconds, energy: solution.objective, inverted, x }
 }
 

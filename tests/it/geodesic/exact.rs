@@ -99,9 +99,9 @@ fn the_nearest_of_several_sources_counts_and_threads_do_not() {
     let exact = ExactGeodesic::new(&mesh).unwrap();
     let sets = vec![vec![at(0)], vec![at(200)], vec![at(0), at(200)]];
     let each = exact.distances_each(&sets).unwrap();
-    for vertex in 0..mesh.vertex_count() {
-        let nearest = each[0][vertex].min(each[1][vertex]);
-        assert!(each[2][vertex] == nearest || (each[2][vertex] - nearest).abs() < 1e-11);
+    for ((one, other), both) in each[0].iter().zip(&each[1]).zip(&each[2]) {
+        let nearest = one.min(*other);
+        assert!(*both == nearest || (both - nearest).abs() < 1e-11);
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let alone = pool.install(|| ExactGeodesic::new(&mesh).unwrap().distances_each(&sets).unwrap());
