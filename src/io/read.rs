@@ -8,6 +8,8 @@ use super::collection::{may_list_files, resolve};
 use super::dataset::DataSet;
 use super::error::{Fault, IoError, Place};
 use super::formats::MeshFormat;
+#[cfg(feature = "vtkhdf")]
+use super::hdf;
 use super::parallel::read_indexed;
 use super::xml::Index;
 use super::{legacy, xml};
@@ -32,6 +34,10 @@ use super::{legacy, xml};
 /// (1,040-fold for zlib, 256-fold for lz4, 65,536-fold for lzma).
 pub fn read(path: impl AsRef<Path>) -> Result<DataSet, IoError> {
     let path = path.as_ref();
+    #[cfg(feature = "vtkhdf")]
+    if let Some((file, address)) = hdf::inside(path) {
+        return hdf::read(&file, &address);
+    }
     match resolve(path)? {
         same if same == path => read_file(path, LEVELS),
         block => read_file(&block, LEVELS),
@@ -49,6 +55,13 @@ fn read_file(path: &Path, levels: usize) -> Result<DataSet, IoError> {
     // What is no file, such as a pipe, has no length and cannot be read from the middle.
     let length = usize::try_from(metadata.len()).ok().filter(|_| metadata.is_file()).unwrap_or(0);
     let mut bytes = Vec::new();
+    #[cfg(feature = "vtkhdf")]
+    {
+        (&file).take(hdf::SIGNATURE.len() as u64).read_to_end(&mut bytes).map_err(failed)?;
+        if bytes == hdf::SIGNATURE && metadata.is_file() {
+            return hdf::read(path, "");
+        }
+    }
     let mut step = HEAD;
     while length > LARGE && bytes.len() < length {
         (&file).take(step).read_to_end(&mut bytes).map_err(failed)?;

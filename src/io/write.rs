@@ -6,8 +6,14 @@ use super::array::{ArrayData, DataArray};
 use super::dataset::{Attributes, CellArray, DataSet, Geometry, IndexWidth, Polyhedra};
 use super::error::{IoError, quoted};
 use super::formats::MeshFormat;
+#[cfg(feature = "vtkhdf")]
+use super::hdf;
 use super::pending::PendingFile;
 use super::{legacy, xml};
+
+/// The extension that VTK gives its HDF5 files.
+#[cfg(feature = "vtkhdf")]
+const HDF: &str = "vtkhdf";
 
 /// Whether arrays of an XML file are packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -50,9 +56,15 @@ pub fn write_temporary_with(
         format.losses(dataset).map_err(unwritable)?;
         return PendingFile::create(path, |file| format.write(dataset, file));
     }
+    #[cfg(feature = "vtkhdf")]
+    if extension == HDF {
+        check(dataset).and_then(|()| hdf::check(dataset)).map_err(unwritable)?;
+        return PendingFile::create(path, |file| hdf::write(dataset, compression, file));
+    }
     if extension != own && extension != "vtk" {
         let found = format!("a name ending in {} for {}", quoted(&extension), dataset.geometry.name());
-        return Err(unwritable((found, format!(".{own} or .vtk"))));
+        let hdf = if cfg!(feature = "vtkhdf") { ", .vtkhdf" } else { "" };
+        return Err(unwritable((found, format!(".{own}{hdf} or .vtk"))));
     }
     check(dataset).map_err(unwritable)?;
     if extension == "vtk" {
@@ -78,6 +90,10 @@ pub fn write(path: impl AsRef<Path>, dataset: &DataSet) -> Result<(), IoError> {
 pub fn losses(path: impl AsRef<Path>, dataset: &DataSet) -> Result<Vec<String>, IoError> {
     let path = path.as_ref();
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    #[cfg(feature = "vtkhdf")]
+    if extension.eq_ignore_ascii_case(HDF) {
+        return Ok(hdf::losses(dataset));
+    }
     let Some(format) = MeshFormat::of_extension(extension) else { return Ok(Vec::new()) };
     let unwritable = |(found, expected)| IoError::Unwritable { path: path.to_owned(), found, expected };
     format.losses(dataset).map_err(unwritable)

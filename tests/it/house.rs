@@ -29,7 +29,7 @@ const FLOORS: [(&str, usize); 15] = [
 const FORBIDDEN: [(&str, &str); 1] = [("audit", "qp")];
 
 /// Where an outside crate may be named; nowhere else.
-const HOMES: [(&str, &[&str]); 20] = [
+const HOMES: [(&str, &[&str]); 21] = [
     ("faer", &["linalg"]),
     ("petgraph", &["morse", "monotone"]),
     ("spade", &["mesh/delaunay.rs"]),
@@ -41,6 +41,7 @@ const HOMES: [(&str, &[&str]); 20] = [
     ("lz4_flex", &["io"]),
     ("lzma_rust2", &["io"]),
     ("base64", &["io"]),
+    ("hdf5_pure", &["io/hdf"]),
     ("vtkio", &["io"]),
     ("ply_rs_bw", &["io/formats/ply.rs"]),
     ("stl_io", &["io/formats/stl.rs"]),

@@ -104,8 +104,8 @@ fn damaged_headers_are_refused() {
         (npy("<f8", false, "(0, 3)", &[]), "at least one number"),
         (npy("<f8", false, "()", &[0; 8]), "an array of 0 axes"),
         (npy("<f8", false, "((((((3", &[0; 8]), "shape"),
-        (npy("<c16", false, "(1,)", &[0; 16]), "numbers of type c16"),
-        (npy("|O8", false, "(1,)", &[0; 8]), "numbers of type O8"),
+        (npy("<c16", false, "(1,)", &[0; 16]), "complex numbers of type \"<c16\""),
+        (npy("|O8", false, "(1,)", &[0; 8]), "Python objects of type \"|O8\""),
         (npy("<f8", false, "(-2, 3)", &[0; 48]), "no list of axes as shape"),
     ] {
         let error = read_bytes(&bytes).unwrap_err().to_string();

@@ -5,6 +5,7 @@ mod collections;
 mod damage;
 mod domains;
 mod handles;
+mod large;
 mod images;
 mod meshes;
 #[cfg(feature = "vtkio")]
