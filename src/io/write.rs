@@ -28,8 +28,9 @@ pub enum Compression {
 /// Writes a data set beside `path`, to be put in its place by [`PendingFile::commit`].
 ///
 /// The extension chooses the format: `.vti .vtr .vts .vtp .vtu` write XML with appended raw data and 64-bit headers,
-/// readable by VTK 6 and later; `.vtk` writes binary legacy, version 4.2, or 5.1 where 4.2 cannot count so far. The mesh formats
-/// `.obj .off .ply .stl .mesh .msh` hold poly data and unstructured grids, without what [`losses`] names.
+/// readable by VTK 6 and later; `.vtk` writes binary legacy, version 4.2, or 5.1 where 4.2 cannot count so far; `.vtkhdf` writes HDF5 as
+/// VTK 9.4 and later read it (feature `vtkhdf`). The mesh formats `.obj .off .ply .stl .mesh .msh` hold poly data and unstructured
+/// grids. The last two leave out what [`losses`] names.
 ///
 /// # Errors
 /// [`IoError::Unwritable`] if the extension does not fit the data set, the data set contradicts itself, or the format
@@ -83,7 +84,7 @@ pub fn write(path: impl AsRef<Path>, dataset: &DataSet) -> Result<(), IoError> {
     write_temporary(path, dataset)?.commit()
 }
 
-/// What of a data set the format of a file name cannot hold, in words; empty for the formats of VTK.
+/// What of a data set the format of a file name cannot hold, in words; empty for VTK's XML and legacy formats.
 ///
 /// # Errors
 /// [`IoError::Unwritable`] if the format has no room for the cells.

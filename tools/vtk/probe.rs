@@ -11,11 +11,12 @@ use serde_json::{Map, Value, json};
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["--describe", file] => println!("{}", describe(&io::read(file).unwrap())),
         ["--read", file] => time(file, None),
         ["--write", file, copy] => time(file, Some((copy, Compression::None))),
         ["--pack", file, copy] => time(file, Some((copy, Compression::Zlib))),
         [files, out] => probe(Path::new(files), Path::new(out)),
-        _ => panic!("usage: vtk_probe FILES OUT, or vtk_probe --read FILE, or --write or --pack FILE COPY"),
+        _ => panic!("usage: vtk_probe FILES OUT, vtk_probe --describe FILE, or vtk_probe --read FILE, or --write or --pack FILE COPY"),
     }
 }
 
@@ -92,13 +93,16 @@ fn one(files: &Path, out: &Path, name: &str) -> Result<(), io::IoError> {
     }
 }
 
-/// Without what a VTKHDF file does not tell: information keys, a first index, the width of lists, how polyhedra are laid out, and
+/// Without what a VTKHDF file does not tell: texts on points and cells, information keys, a first index, the width of lists, how polyhedra are laid out, and
 /// the order in which roles are listed.
 fn comparable(mut dataset: DataSet) -> DataSet {
     (dataset.title, dataset.version) = (String::new(), None);
     let arrays = dataset.point_data.arrays.iter_mut().chain(&mut dataset.cell_data.arrays).chain(&mut dataset.field_data);
     arrays.for_each(|array| array.information.clear());
     for data in [&mut dataset.point_data, &mut dataset.cell_data] {
+        data.arrays.retain(|array| !matches!(array.data, ArrayData::String(_)));
+        data.arrays.iter_mut().for_each(|array| array.name = array.name.replace(['/', '.'], "_"));
+        data.active.iter_mut().for_each(|(_, name)| *name = name.replace(['/', '.'], "_"));
         data.active.sort_by_key(|(role, _)| role.name());
     }
     match &mut dataset.geometry {

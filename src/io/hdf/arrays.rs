@@ -94,8 +94,23 @@ fn first_components(array: DataArray, wanted: usize) -> DataArray {
     DataArray { components: wanted, component_names: Vec::new(), ..flat }
 }
 
-/// Arrays on the whole data set: of any length, or those of one step.
+/// Where VTK's reader puts the time of a step.
+const TIME: &str = "Time";
+
+/// Arrays on the whole data set: of any length, or those of one step, with its time.
 pub(super) fn field_data(node: &Node, step: Option<&Step>) -> Result<Vec<DataArray>, Fault> {
+    let mut arrays = stored_field_data(node, step)?;
+    let time = match step {
+        Some(step) => step.time()?,
+        None => None,
+    };
+    if let Some(time) = time.filter(|_| arrays.iter().all(|array| array.name != TIME)) {
+        arrays.push(DataArray::new(TIME, 1, ArrayData::F64(vec![time])));
+    }
+    Ok(arrays)
+}
+
+fn stored_field_data(node: &Node, step: Option<&Step>) -> Result<Vec<DataArray>, Fault> {
     let Some(group) = node.child("FieldData")? else { return Ok(Vec::new()) };
     let mut arrays = Vec::new();
     for name in group.names() {

@@ -57,14 +57,15 @@ impl Faces {
             None => Ok::<_, Fault>(0),
             Some(step) => Ok(step.number([name, ""])?.unwrap_or(0)),
         };
-        let cells = start("CellOffsets")?.saturating_add(parts.start);
+        // Every part before has one offset more than cells, and than faces.
+        let [cells, first_faces] = [start("CellOffsets")?, start("FaceOffsetsOffsets")?].map(|start| start.saturating_add(parts.start));
         Ok(Some(Self {
             face_offsets: node.needed("FaceOffsets")?,
             face_connectivity: node.needed("FaceConnectivity")?,
             offsets: node.needed("PolyhedronOffsets")?,
             members: node.needed("PolyhedronToFaces")?,
             sizes,
-            next: [start("FaceOffsetsOffsets")?, start("FaceConnectivityOffsets")?, cells, start("PolyhedronToFaceIdOffsets")?],
+            next: [first_faces, start("FaceConnectivityOffsets")?, cells, start("PolyhedronToFaceIdOffsets")?],
         }))
     }
 

@@ -36,6 +36,14 @@ impl Step {
         Self { group, number, count }
     }
 
+    /// The time of this step, where it is told.
+    pub fn time(&self) -> Result<Option<f64>, Fault> {
+        match self.group.array("Values")? {
+            Some(values) => Ok(values.rows(self.number..self.number + 1)?.number(0)),
+            None => Ok(None),
+        }
+    }
+
     /// The numbers of this step in an array of the group, `columns` of them; `None` without such an array.
     pub fn numbers(&self, path: [&str; 2], columns: usize) -> Result<Option<Vec<u64>>, Fault> {
         let array = match path {

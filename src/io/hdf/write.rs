@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 
-use hdf5_pure::{AttrValue, DatasetBuilder, FileBuilder, GroupBuilder, H5Element};
+use hdf5_pure::{AttrValue, CharacterSet, DatasetBuilder, Datatype, FileBuilder, GroupBuilder, H5Element, StringPadding, make_u8_type};
 
 use crate::io::array::{ArrayData, DataArray};
 use crate::io::dataset::{Attributes, CellArray, DataSet, Extent, Geometry};
@@ -34,6 +34,11 @@ fn groups(dataset: &DataSet) -> [(&'static str, &[DataArray]); 3] {
     ]
 }
 
+/// VTK 9.7 reads no array behind one of texts on points or cells, nor what comes after these: such arrays are left out.
+fn is_written(kind: &str, array: &DataArray) -> bool {
+    kind == "field" || !matches!(array.data, ArrayData::String(_))
+}
+
 /// Refuses names that HDF5 cannot tell apart.
 pub(in crate::io) fn check(dataset: &DataSet) -> Result<(), Objection> {
     for (kind, arrays) in groups(dataset) {
@@ -57,6 +62,10 @@ pub(in crate::io) fn losses(dataset: &DataSet) -> Vec<String> {
     for (kind, arrays) in groups(dataset) {
         for array in arrays {
             let name = quoted(&array.name);
+            if !is_written(kind, array) {
+                lost.push(format!("the texts of {kind} array {name}"));
+                continue;
+            }
             if link(&array.name) != array.name {
                 lost.push(format!("the name {name} of a {kind} array (it becomes {})", quoted(&link(&array.name))));
             }
@@ -220,14 +229,21 @@ impl Group {
             ArrayData::String(texts) => {
                 let texts: Vec<String> = texts.iter().map(|text| String::from_utf8_lossy(text).into_owned()).collect();
                 let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
-                self.builder.create_dataset(name).with_vlen_strings(&texts).with_shape(shape)
+                // VTK takes no other character set than ASCII, and reads UTF-8 under that name.
+                let ascii = Datatype::VariableLength {
+                    is_string: true,
+                    padding: Some(StringPadding::NullTerminate),
+                    charset: Some(CharacterSet::Ascii),
+                    base_type: Box::new(make_u8_type()),
+                };
+                self.builder.create_dataset(name).with_vlen_strings(&texts).with_dtype(ascii).with_shape(shape)
             }
         }
     }
 
     fn attributes(&mut self, name: &str, attributes: &Attributes, shape: &[u64]) {
         let mut group = self.child(name);
-        for array in &attributes.arrays {
+        for array in attributes.arrays.iter().filter(|array| is_written(name, array)) {
             let role = attributes.active.iter().find(|(_, active)| *active == array.name).map(|(role, _)| role.name());
             group.array(array, shape, role);
         }

@@ -5,6 +5,8 @@ mod collections;
 mod damage;
 mod domains;
 mod handles;
+#[cfg(feature = "vtkhdf")]
+mod hdf;
 mod large;
 mod images;
 mod meshes;
