@@ -29,7 +29,7 @@ pub enum Compression {
 ///
 /// The extension chooses the format: `.vti .vtr .vts .vtp .vtu` write XML with appended raw data and 64-bit headers,
 /// readable by VTK 6 and later; `.vtk` writes binary legacy, version 4.2, or 5.1 where 4.2 cannot count so far; `.vtkhdf` writes HDF5 as
-/// VTK 9.4 and later read it (feature `vtkhdf`). The mesh formats `.obj .off .ply .stl .mesh .msh` hold poly data and unstructured
+/// VTK 9.7 reads it (feature `vtkhdf`). The mesh formats `.obj .off .ply .stl .mesh .msh` hold poly data and unstructured
 /// grids. The last two leave out what [`losses`] names.
 ///
 /// # Errors

