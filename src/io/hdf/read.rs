@@ -18,6 +18,9 @@ pub(in crate::io) const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 /// The newest version of the format whose files VTK 9.7 reads.
 const NEWEST: i64 = 2;
 
+/// The kinds of data sets that are read.
+const KINDS: [&str; 5] = ["ImageData", "RectilinearGrid", "StructuredGrid", "PolyData", "UnstructuredGrid"];
+
 /// The HDF5 file and the address in it, for a name such as `run.vtkhdf/3` or `case.vtkhdf/inlet`; `None` for other names.
 pub(in crate::io) fn inside(path: &Path) -> Option<(PathBuf, String)> {
     if path.exists() {
@@ -141,9 +144,9 @@ fn some(names: &[String]) -> String {
 /// The data set of a group, or the step of it that is asked for.
 fn step_of(node: &Node, name: &str, address: &str) -> Result<DataSet, Fault> {
     let kind = kind(node)?;
-    const KINDS: &str = "ImageData, RectilinearGrid, StructuredGrid, PolyData or UnstructuredGrid";
-    if !KINDS.split([' ', ',']).any(|known| known == kind) || kind == "or" {
-        return Err(Fault::unsupported(Place::File, format!("Type {} of {}", quoted(kind), node.path), KINDS));
+    if !KINDS.contains(&kind) {
+        let expected = "ImageData, RectilinearGrid, StructuredGrid, PolyData or UnstructuredGrid";
+        return Err(Fault::unsupported(Place::File, format!("Type {} of {}", quoted(kind), node.path), expected));
     }
     let step = match steps(node)? {
         None if address.is_empty() => None,

@@ -111,6 +111,11 @@ fn damaged_headers_are_refused() {
         let error = read_bytes(&bytes).unwrap_err().to_string();
         assert!(error.contains(words), "{error} lacks {words}");
     }
+    // As numpy.save writes an array of objects: without a width.
+    let error = read_bytes(&npy("|O", false, "(3,)", &[0x80, 4, 0x4b, 1, 0x2e])).unwrap_err().to_string();
+    let words = ", byte 10: Python objects of type \"|O\" cannot be read here; \
+        expected integers i1, i2, i4, i8, u1, u2, u4, u8, floats f4, f8, or truth values b1";
+    assert!(error.ends_with(words), "{error}");
     let mut version = whole.clone();
     version[6] = 9;
     assert!(read_bytes(&version).unwrap_err().to_string().contains("format version 9"));

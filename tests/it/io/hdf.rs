@@ -260,6 +260,89 @@ fn other_hdf5_files_are_refused() {
     assert!(text.ends_with("expected a whole HDF5 file"), "{text}");
 }
 
+/// An array for a file made by hand.
+enum Made<'a> {
+    Integers(&'a [i64], &'a [u64]),
+    Places(&'a [f64]),
+}
+
+/// A file of one group with these attributes and arrays; names may lead into other groups.
+fn made(kind: &str, version: [i64; 2], arrays: &[(&str, Made)]) -> Vec<u8> {
+    let mut builder = hdf5_pure::FileBuilder::new();
+    let mut root = builder.create_group("VTKHDF");
+    root.set_attr("Type", hdf5_pure::AttrValue::AsciiString(kind.into()));
+    root.set_attr("Version", hdf5_pure::AttrValue::I64Array(version.to_vec()));
+    root.set_attr("WholeExtent", hdf5_pure::AttrValue::I64Array(vec![0, 1, 0, 1, 0, 0]));
+    root.set_attr("Origin", hdf5_pure::AttrValue::F64Array(vec![0.0; 3]));
+    root.set_attr("Spacing", hdf5_pure::AttrValue::F64Array(vec![1.0; 3]));
+    for (name, values) in arrays {
+        let mut group = name.split_once('/').map(|(group, _)| root.create_group(group));
+        let own = name.rsplit('/').next().unwrap();
+        let dataset = match &mut group {
+            Some(group) => group.create_dataset(own),
+            None => root.create_dataset(own),
+        };
+        match values {
+            Made::Integers(values, shape) => dataset.with_data(values).with_shape(shape),
+            Made::Places(values) => dataset.with_data(values).with_shape(&[values.len() as u64 / 3, 3]),
+        };
+        if let Some(group) = group {
+            root.add_group(group.finish());
+        }
+    }
+    builder.add_group(root.finish());
+    builder.finish().unwrap()
+}
+
+#[test]
+fn what_does_not_fit_together_is_refused() {
+    use Made::{Integers, Places};
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bad.vtkhdf");
+    let refused = |bytes: Vec<u8>| {
+        std::fs::write(&path, bytes).unwrap();
+        message(&path, "").strip_prefix("bad.vtkhdf: ").unwrap().to_owned()
+    };
+    let triangle = |points: i64, cells: i64, corner: i64, has_types: bool| {
+        let (points, cells) = ([points], [cells]);
+        let corners = [0, 1, corner];
+        let mut arrays = vec![
+            ("NumberOfPoints", Integers(&points, &[1])),
+            ("NumberOfCells", Integers(&cells, &[1])),
+            ("NumberOfConnectivityIds", Integers(&[3], &[1])),
+            ("Points", Places(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0])),
+            ("Connectivity", Integers(&corners, &[3])),
+            ("Offsets", Integers(&[0, 3], &[2])),
+        ];
+        if has_types {
+            arrays.push(("Types", Integers(&[5], &[1])));
+        }
+        made("UnstructuredGrid", [1, 0], &arrays)
+    };
+    std::fs::write(&path, triangle(3, 1, 2, true)).unwrap();
+    assert_eq!((read(&path).unwrap().point_count(), read(&path).unwrap().cell_count()), (3, 1));
+    assert_eq!(refused(triangle(5, 1, 2, true)), "found 3 rows in /VTKHDF/Points; expected at least 5");
+    assert_eq!(refused(triangle(3, -1, 2, true)), "found -1 in /VTKHDF/NumberOfCells; expected no number below 0");
+    assert_eq!(refused(triangle(3, i64::MAX, 2, true)), format!("found 1 rows in /VTKHDF/Types; expected at least {}", i64::MAX));
+    assert_eq!(refused(triangle(3, 1, 7, true)), "found number 7 in cell 0 in /VTKHDF/Connectivity; expected numbers from 0, less than 3");
+    assert_eq!(refused(triangle(3, 1, 2, false)), "found no array Types in /VTKHDF; expected one");
+    let kinds = "ImageData, RectilinearGrid, StructuredGrid, PolyData or UnstructuredGrid";
+    for kind in ["OverlappingAMR", "HyperTreeGrid", "or", ""] {
+        assert_eq!(refused(made(kind, [2, 0], &[])), format!("Type \"{kind}\" of /VTKHDF cannot be read here; expected {kinds}"));
+    }
+    assert_eq!(refused(made("ImageData", [3, 1], &[])), "version 3.1 of /VTKHDF cannot be read here; expected 1.0 to 2.x");
+    let shape = "expected 4 places, with their components along a last axis";
+    let image = |shape: &[u64]| made("ImageData", [2, 0], &[("PointData/f", Integers(&vec![7; shape.iter().product::<u64>() as usize], shape))]);
+    std::fs::write(&path, image(&[1, 2, 2, 3])).unwrap();
+    assert_eq!(read(&path).unwrap().point_array("f").unwrap().components, 3);
+    assert_eq!(refused(image(&[3, 3])), format!("found the axes [3, 3] of /VTKHDF/PointData/f; {shape}"));
+    assert_eq!(refused(image(&[3, 2, 2])), format!("found the axes [3, 2, 2] of /VTKHDF/PointData/f; {shape}"));
+    let mut other = hdf5_pure::FileBuilder::new();
+    other.create_dataset("x").with_data(&[1.0]);
+    let expected = "an HDF5 file without the group VTKHDF cannot be read here; expected one as VTK writes it (.vtkhdf)";
+    assert_eq!(refused(other.finish().unwrap()), expected);
+}
+
 #[test]
 fn damaged_files_never_panic() {
     let folder = tempfile::tempdir().unwrap();
