@@ -223,7 +223,7 @@ impl DeformSolver {
             SolveMethod::InteriorPoint => {
                 let last = self.last.as_ref().filter(|_| options.begin == Begin::Warm);
                 let warm = last.map(|iterate| (&iterate.x[..], &iterate.dual[..]));
-                let inside = self.deformer.turned_rest(rotations, &reference);
+                let inside = self.deformer.turned_rest(rotations, &reference)?;
                 let known = Known { warm, inside: inside.as_deref() };
                 self.engine.solve_watched(&problem, known, &options.settings, &mut |at, x| show(at.iteration, x, at.gap, None))?
             }

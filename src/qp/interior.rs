@@ -80,6 +80,10 @@ pub(super) struct Interior<'a> {
     pub is_free: bool,
     /// The elastic problem has been solved already.
     pub is_suspected: bool,
+    /// Relative stationarity at which [`Interior::is_bounded`] was asked last.
+    pub bounded_at: f64,
+    /// What it found the residual to hide of the gap, relative.
+    pub hidden: f64,
     pub point: Triple,
     /// `P x + q - Aᵀ z` on the free unknowns.
     pub stationarity: Vec<f64>,
@@ -211,6 +215,8 @@ impl Engine {
             inside,
             is_free: false,
             is_suspected: false,
+            bounded_at: f64::INFINITY,
+            hidden: 0.0,
             engine: self,
         };
         initial(&mut interior, start)?;
@@ -343,6 +349,10 @@ impl Interior<'_> {
                 self.rough = Some((self.point.x.clone(), self.point.z.clone(), measure.kkt.duality_gap));
             }
             if measure.is_optimal(self.settings) {
+                self.hidden = 0.0;
+                return Ok((QpStatus::Solved, iteration));
+            }
+            if self.is_bounded(&measure)? {
                 return Ok((QpStatus::Solved, iteration));
             }
             if measure.is_above(self.settings.cutoff) {
@@ -379,7 +389,10 @@ impl Interior<'_> {
     }
 
     fn finish(self, status: QpStatus, iterations: usize) -> Solution {
-        let measure = Measure::of_point(&self);
+        let mut measure = Measure::of_point(&self);
+        if status == QpStatus::Solved {
+            measure.kkt.duality_gap += self.hidden;
+        }
         let total = self.problem.constraints.offset.len();
         let mut slack = self.problem.constraints.matrix.multiply(&self.point.x);
         add(&mut slack, 1.0, &self.problem.constraints.offset);

@@ -12,6 +12,7 @@
 //! The end of a solve is a [`QpStatus`] with [`KktResiduals`] on the problem as given; only `Solved` is success.
 
 mod blocks;
+mod bound;
 mod centred;
 mod certificate;
 mod conflict;

@@ -7,7 +7,8 @@ use super::Certificate;
 pub struct Settings {
     /// Duality gap relative to the objective (with its constant) below which a point counts as optimal.
     pub relative_gap: f64,
-    /// Largest stationarity and primal residual, relative (see [`KktResiduals`]), of an optimal point.
+    /// Largest stationarity and primal residual, relative (see [`KktResiduals`]), of an optimal point. With a factor in single precision the
+    /// stationarity may be larger where the gap is proven all the same, see [`KktResiduals::duality_gap`].
     pub residual: f64,
     /// Interior-point iterations before [`QpStatus::IterationLimit`]; each has one numeric factorisation.
     pub max_iterations: usize,
@@ -45,7 +46,7 @@ pub struct Progress {
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum QpStatus {
-    /// The KKT residuals are within the settings.
+    /// The KKT residuals are within the settings, or the gap is proven without the stationarity, see [`KktResiduals::duality_gap`].
     Solved,
     /// No point satisfies the constraints.
     Infeasible(Certificate),
@@ -76,7 +77,9 @@ pub struct KktResiduals {
     pub primal: f64,
     /// Largest product of a slack and its dual (of a block: trace of the product) relative to the objective.
     pub complementarity: f64,
-    /// `zᵀ (A x + b)` relative to the objective. With zero stationarity this bounds the distance to the optimal objective.
+    /// `zᵀ (A x + b)` relative to the objective. With zero stationarity this bounds the distance to the optimal objective. Where a solve ends with a
+    /// stationarity residual r above the tolerance, as only a factor in single precision may leave it, what r can hide is included:
+    /// `1/2 rᵀ P⁻¹ r`. The bound then holds for any stationarity.
     pub duality_gap: f64,
 }
 

@@ -6,8 +6,9 @@ Needs:  pip install numpy==2.4.6 scipy==1.17.1 pyvista==0.49.1
 
   tets    a jittered, bent bar of 88 x 16 x 16 points in tetrahedra, 16 point handles, one run a method: energy tr(W' L M^-1 L W), spurious
           extrema, seconds, peak memory. Bar: monotone weights have exactly the wanted extrema.
-  order4  a jittered square of 245 x 245 points, two handles: the residual of polyharmonic and monotone weights of order 4, measured in
-          product form. Bar: 1e-8, or refused.
+  order4  a jittered square of 245 x 245 points, two handles: the residual of polyharmonic and monotone weights of order 4: the
+          componentwise backward error (largest entry of the gradient over the addends of its own row; Oettli, Prager 1964), multiplied through
+          factor by factor. Bar: 1e-8, or refused.
 Exit code 1 if a bar is missed.
 """
 import argparse

@@ -25,7 +25,7 @@ pub enum Command {
     /// blended by angle, so that turns count; quaternions along the shorter arc.
     ///
     /// Exit codes: as for 'deform', for all frames together; nothing is written unless every frame is.
-    Animate(Box<crate::animate::AnimateArgs>),
+    Animate(Box<crate::shapes::animate::AnimateArgs>),
     /// Deform a planar or solid mesh, an outline or a photograph by handles, so that no element turns inside out.
     ///
     /// Rotations of the handles are blended by weights; the shape of least energy that follows them without an inverted element is the
@@ -35,12 +35,12 @@ pub enum Command {
     /// Exit codes: 0 if the file written was read back and has no inverted element, as written and rounded to 32 bits, by exact
     /// predicates; 1 if it has, or if handles contradict each other (then nothing is written without --keep-best or --keep-unaudited);
     /// 2 for a wrong command line or input. A solver that stops before the asked gap gives a line 'warning:'.
-    Deform(Box<crate::deform::DeformArgs>),
+    Deform(Box<crate::shapes::deform::DeformArgs>),
     /// Write the distance of every vertex from one or more sources along the mesh, and a smooth version with the same maxima.
     ///
     /// Exit codes: 0 if the arrays written were read back, and the smooth one has exactly the wanted extrema; 1 if it has not; 2 for a
     /// wrong command line or input.
-    Geodesic(Box<crate::geodesic::GeodesicArgs>),
+    Geodesic(Box<crate::functions::geodesic::GeodesicArgs>),
     /// Show what a file holds: data set, arrays, domain, what is wrong with it. Of a list (.vtm .pvd), all that it names.
     Info(InfoArgs),
     /// Count the extrema of a field, list their persistence, and show what thresholds would leave.
@@ -58,7 +58,7 @@ pub enum Command {
     /// 1 if a step failed the audit, else 0. Seams between blocks are not bridged: each block has its own extrema.
     Smooth(Box<SmoothArgs>),
     /// Write the field itself with exactly the wanted minima and maxima: topological simplification, nothing is smoothed.
-    Simplify(Box<crate::simplify::SimplifyArgs>),
+    Simplify(Box<crate::fields::simplify::SimplifyArgs>),
     /// Write the persistence diagram, draw the persistence curve, and suggest thresholds.
     ///
     /// Two things are told, and they differ. The table and the curve count extremum pairs: dimension 0 of the field (minima) and of
@@ -70,34 +70,34 @@ pub enum Command {
     /// A threshold is suggested where the curve is flat on a logarithmic axis. Noise and features differ in persistence by a factor,
     /// not by an amount: a plateau from a to b says that the threshold may be off by the factor b/a without any effect. The
     /// widest differences are listed as well; they favour the few largest extrema, which are far apart in any field.
-    Persistence(Box<crate::persistence::PersistenceArgs>),
+    Persistence(Box<crate::fields::persistence::PersistenceArgs>),
     /// Find the smoothest function with exactly the minima and maxima that someone wants, without data.
     ///
     /// Exit codes: 0 if the file written was read back and has exactly the wanted extrema, or the method promises none; 1 if it has not;
     /// 2 for a wrong command line or input, such as wishes that contradict each other.
-    Interpolate(Box<crate::interpolate::InterpolateArgs>),
+    Interpolate(Box<crate::functions::interpolate::InterpolateArgs>),
     /// Spread colours that are given at points and along curves over a shape or an image.
     ///
     /// Exit codes: 0 if no channel has an extremum but at given colours, or the method does not promise it; 1 otherwise; 2 for a wrong
     /// command line or input.
-    Diffuse(Box<crate::diffuse::DiffuseArgs>),
+    Diffuse(Box<crate::functions::diffuse::DiffuseArgs>),
     /// Smooth the columns of a table along one of them, numbers or dates, with exactly the wanted minima and maxima.
     ///
     /// Steps may be irregular and values missing. Every line ends in extrema: where the data have none there above the threshold, the ends
     /// keep their values and may have a corner. Exit codes as those of 'smooth'.
-    Series(Box<crate::series::SeriesArgs>),
+    Series(Box<crate::functions::series::SeriesArgs>),
     /// Audit a field: are its extrema exactly the wanted ones?
     Check(CheckArgs),
     /// Write the Morse–Smale complex: critical points, separatrices, segmentation, in the layout of TTK.
     ///
     /// Three files in the output directory, named after the input: ...CriticalPoints.vtp, ...1Separatrices.vtp, and
     /// ...Segmentation with the input and three more arrays. Without a threshold the complex is not simplified.
-    Complex(crate::complex::ComplexArgs),
+    Complex(crate::fields::complex::ComplexArgs),
     /// Move a shape by its weights and a pose: linear blend or dual-quaternion skinning.
     ///
     /// Skinning is direct and promises nothing: elements that it turns inside out are counted on the file as written and
     /// said. 'morsmooth deform' promises none.
-    Pose(crate::pose::PoseArgs),
+    Pose(crate::shapes::pose::PoseArgs),
     /// Write a data set in another format, with a warning for everything that the format cannot hold.
     ///
     /// A list (.vtm .pvd, or a pattern in quotes) becomes a list: every data set is written beside OUT as OUT_0000 and so on.
@@ -107,7 +107,7 @@ pub enum Command {
     /// Monotone weights have no extremum but at handles; the others are what they are compared with. A handle of several joined
     /// vertices is one place: an extremum as a whole. Exit codes: 0 if the file written was read back and, for monotone weights, has exactly
     /// the wanted extrema; 1 if it has not (then nothing is written without --keep-unaudited); 2 for a wrong command line or input.
-    Weights(Box<crate::weights::WeightsArgs>),
+    Weights(Box<crate::functions::weights::WeightsArgs>),
 }
 
 /// Which field of which file, on which part of the domain.

@@ -1,55 +1,13 @@
 //! `morsmooth`: parse, resolve, run, report. The only code that prints.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-mod animate;
 mod args;
-mod beside;
-mod by_hand;
-mod check;
-mod complex;
-mod complex_report;
-mod convert;
-mod deform;
-mod diffuse;
-mod diffuse_colours;
-mod extrema;
+mod common;
 mod failure;
-mod geodesic;
-mod geodesic_report;
-mod geodesic_sources;
-mod ground;
-mod info;
-mod input;
-mod interpolate;
-mod interpolate_data;
-mod journal;
-mod number;
-mod output;
-mod pattern;
-mod persistence;
-mod pictures;
-mod pose;
-mod pose_audit;
-mod posed;
-mod report;
-mod series;
-mod series_input;
-mod shape;
-mod shape_file;
-mod shape_pictures;
-mod shape_input;
-mod simplify;
-mod smooth;
-mod smooth_series;
-mod steps;
-mod steps_report;
-mod table;
-mod talk;
-mod weight_arrays;
-mod weights;
-mod weights_report;
-mod wishes;
-mod written;
+mod fields;
+mod files;
+mod functions;
+mod shapes;
 
 use std::process::ExitCode;
 
@@ -114,21 +72,21 @@ fn run(command: &Command) -> Result<Outcome, Failure> {
             .map_err(|error| Failure::usage(format!("{threads} threads could not be started: {error}")))?;
     }
     match command {
-        Command::Animate(args) => animate::run(args),
-        Command::Deform(args) => deform::run(args),
-        Command::Geodesic(args) => geodesic::run(args),
-        Command::Info(args) => info::run(args),
-        Command::Extrema(args) => extrema::run(args),
-        Command::Smooth(args) => smooth::run(args),
-        Command::Simplify(args) => simplify::run(args),
-        Command::Persistence(args) => persistence::run(args),
-        Command::Interpolate(args) => interpolate::run(args),
-        Command::Diffuse(args) => diffuse::run(args),
-        Command::Series(args) => series::run(args),
-        Command::Check(args) => check::run(args),
-        Command::Complex(args) => complex::run(args),
-        Command::Convert(args) => convert::run(args),
-        Command::Pose(args) => pose::run(args),
-        Command::Weights(args) => weights::run(args),
+        Command::Animate(args) => shapes::animate::run(args),
+        Command::Deform(args) => shapes::deform::run(args),
+        Command::Geodesic(args) => functions::geodesic::run(args),
+        Command::Info(args) => files::info::run(args),
+        Command::Extrema(args) => fields::extrema::run(args),
+        Command::Smooth(args) => fields::smooth::run(args),
+        Command::Simplify(args) => fields::simplify::run(args),
+        Command::Persistence(args) => fields::persistence::run(args),
+        Command::Interpolate(args) => functions::interpolate::run(args),
+        Command::Diffuse(args) => functions::diffuse::run(args),
+        Command::Series(args) => functions::series::run(args),
+        Command::Check(args) => fields::check::run(args),
+        Command::Complex(args) => fields::complex::run(args),
+        Command::Convert(args) => files::convert::run(args),
+        Command::Pose(args) => shapes::pose::run(args),
+        Command::Weights(args) => functions::weights::run(args),
     }
 }

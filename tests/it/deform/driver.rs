@@ -6,7 +6,7 @@ use morsmooth::deform::{
     SolveMethod, SolveOptions, Substitute,
 };
 use morsmooth::mesh::SimplicialComplex;
-use morsmooth::qp::Penalty;
+use morsmooth::qp::{Penalty, Settings};
 
 fn solver(scene: &Scene, options: DeformOptions) -> DeformSolver {
     DeformSolver::new(&scene.complex, HeldVertices::unnamed(scene.handles.clone()), options).unwrap()
@@ -99,6 +99,25 @@ fn single_precision_ends_at_the_same_shape() {
         assert!((single.energy.total() / double.energy.total() - 1.0).abs() < 2e-6);
         solver.choose_factor(FactorChoice::Automatic, usize::MAX);
         assert_eq!(solver.precision(), morsmooth::qp::FactorPrecision::Double);
+    }
+}
+
+#[test]
+fn the_gap_is_proven_where_single_precision_leaves_a_residual() {
+    for scene in [scenes::quad(16), scenes::ball(6), scenes::bar(10, 2, 170.0)] {
+        let default = SolveOptions::default();
+        // A residual that no factor in single precision reaches.
+        let strict = SolveOptions { settings: Settings { residual: 1e-16, ..default.settings }, ..default };
+        let mut solver = solver(&scene, DeformOptions::default());
+        solver.choose_factor(FactorChoice::Single, 0);
+        let proven = solver.solve(&scene.rotations, &scene.targets, &strict, &mut |_| {}).unwrap();
+        let kkt = proven.certificate;
+        assert!(proven.is_certified(), "{:?} {kkt:?}", proven.status);
+        assert!(kkt.stationarity > kkt.rounding.max(1e-16) && kkt.duality_gap <= 1e-6, "{kkt:?}");
+        let near = SolveOptions { settings: Settings { relative_gap: 1e-10, ..default.settings }, ..default };
+        let least = solve(&scene, &near).energy.total();
+        let bound = proven.energy.total() * (1.0 - kkt.duality_gap);
+        assert!(bound <= least * (1.0 + 1e-10) && least <= proven.energy.total() * (1.0 + 1e-10), "{bound} {least}");
     }
 }
 
@@ -301,6 +320,12 @@ fn folded_rest_shapes_are_untangled() {
         let deformed = solver.solve(&identity, &targets, &keep_best(), &mut |_| {}).unwrap();
         assert!(deformed.is_inversion_free(), "{:?} {:?}", deformed.status, deformed.substitute);
         assert!(deformed.elements.determinants.iter().all(|&det| det > 0.0));
+        // With folded elements the rest shape is no way out of a blockade: what cannot be untangled is named, not left open.
+        for turned in [40.0, 75.0] {
+            let rotations: Vec<_> = (0..complex.simplex_count()).map(|element| scenes::turn(if element % 2 == 0 { turned } else { -turned })).collect();
+            let ended = solver.solve(&rotations, &targets, &SolveOptions::default(), &mut |_| {}).unwrap();
+            assert!(matches!(ended.status, DeformStatus::Certified | DeformStatus::Contradiction(_)), "{turned}: {:?}", ended.certificate);
+        }
     }
 }
 

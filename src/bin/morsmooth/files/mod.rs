@@ -1,0 +1,4 @@
+//! Commands on files as they are.
+
+pub mod convert;
+pub mod info;
