@@ -64,8 +64,7 @@ pub fn write_temporary_with(
     }
     if extension != own && extension != "vtk" {
         let found = format!("a name ending in {} for {}", quoted(&extension), dataset.geometry.name());
-        let hdf = if cfg!(feature = "vtkhdf") { ", .vtkhdf" } else { "" };
-        return Err(unwritable((found, format!(".{own}{hdf} or .vtk"))));
+        return Err(unwritable((found, format!(".{own} or .vtk"))));
     }
     check(dataset).map_err(unwritable)?;
     if extension == "vtk" {
