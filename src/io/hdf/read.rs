@@ -93,7 +93,7 @@ fn is_composite(kind: &str) -> bool {
     matches!(kind, "PartitionedDataSetCollection" | "MultiBlockDataSet")
 }
 
-/// Names of the blocks with a data set and of those without, in the order of their numbers where they have any.
+/// Names of the blocks with a data set and of those without, in the order of their numbers where they have any, else of their names.
 fn blocks(root: &Node) -> Result<(Vec<String>, Vec<String>), Fault> {
     let (mut filled, mut empty) = (Vec::new(), Vec::new());
     for name in root.groups().iter().filter(|name| *name != "Assembly") {
@@ -102,7 +102,7 @@ fn blocks(root: &Node) -> Result<(Vec<String>, Vec<String>), Fault> {
         let list = if block.text("Type").is_some() { &mut filled } else { &mut empty };
         list.push((number, name.clone()));
     }
-    filled.sort_by_key(|(number, _)| *number);
+    filled.sort();
     let names = |list: Vec<(Option<i64>, String)>| list.into_iter().map(|(_, name)| name).collect();
     Ok((names(filled), names(empty)))
 }
