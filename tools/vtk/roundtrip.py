@@ -2,11 +2,12 @@
 
     python tools/vtk/roundtrip.py FILES [OUT]
 
-FILES is a folder of VTK files (generate.py makes one). The program tools/vtk/probe.rs reads each of them, describes what
-it read, and writes it back as raw XML, packed XML and legacy. For each file VTK's own reading of the original is
+FILES is a folder of VTK files (generate.py, generate_pyvista.py and generate_paraview.py make one each). The program
+tools/vtk/probe.rs reads each of them, describes what it read, and writes it back as raw XML, packed XML and legacy. For each file VTK's own reading of the original is
 compared with the description and with VTK's reading of what was written: kind, geometry, every array's type, class,
 names, values and role, bit for bit. Pieces of parallel files become one data set without seams here and not in VTK: they are
-compared cell by cell, corner by corner. Lists (.vtm, .pvd) go through `morsmooth convert` and are compared block by block.
+compared cell by cell, corner by corner, without ghost cells. Lists (.vtm, .pvd, .vtpd) go through `morsmooth convert` and are
+compared block by block; tables are compared column by column with NumPy.
 Exit code 1 if anything is wrong, or refused without being HDF5. Needs the packages vtk and numpy, and cargo.
 """
 
@@ -34,11 +35,24 @@ READERS = {
     "pvtu": vtk.vtkXMLPUnstructuredGridReader,
     "pvti": vtk.vtkXMLPImageDataReader,
     "pvtp": vtk.vtkXMLPPolyDataReader,
+    "pvtr": vtk.vtkXMLPRectilinearGridReader,
+    "pvts": vtk.vtkXMLPStructuredGridReader,
+    "ply": vtk.vtkPLYReader,
+    "stl": vtk.vtkSTLReader,
+    "obj": vtk.vtkOBJReader,
 }
+EXTENSIONS = {"PolyData": "vtp", "UnstructuredGrid": "vtu", "ImageData": "vti", "RectilinearGrid": "vtr", "StructuredGrid": "vts"}
+LISTS = (".vtm", ".pvd", ".vtpd")
+TABLES = (".csv", ".tsv")
+MESHES = (".ply", ".stl", ".obj")
 ROLES = ["Scalars", "Vectors", "Normals", "TCoords", "Tensors", "GlobalIds", "PedigreeIds"]
 
 
 def read(path):
+    if path.endswith(".pvd"):
+        # A list of one file.
+        (entry,) = ElementTree.parse(path).getroot().find("Collection").findall("DataSet")
+        return read(os.path.join(os.path.dirname(path), entry.get("file")))
     reader = READERS[path.rsplit(".", 1)[1]]()
     reader.SetFileName(path)
     if path.endswith(".vtk"):
