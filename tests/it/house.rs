@@ -29,7 +29,7 @@ const FLOORS: [(&str, usize); 15] = [
 const FORBIDDEN: [(&str, &str); 1] = [("audit", "qp")];
 
 /// Where an outside crate may be named; nowhere else.
-const HOMES: [(&str, &[&str]); 20] = [
+const HOMES: [(&str, &[&str]); 21] = [
     ("faer", &["linalg"]),
     ("petgraph", &["morse", "monotone"]),
     ("spade", &["mesh/delaunay.rs"]),
@@ -50,6 +50,7 @@ const HOMES: [(&str, &[&str]); 20] = [
     ("noto_sans_mono_bitmap", &["plot"]),
     ("clap", &["bin"]),
     ("indicatif", &["bin"]),
+    ("signal_hook", &["bin"]),
 ];
 
 /// Outside crates without a home of their own.

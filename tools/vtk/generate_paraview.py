@@ -103,11 +103,12 @@ def parallel():
     for name, source in pieces.items():
         stem, extension = name.split(".")
         # Its name until version 5.11, and its name since.
-        filter = getattr(simple, "GhostCellsGenerator", None) or simple.GhostCells
-        ghosts = filter(Input=source, BuildIfRequired=0)
+        ghosts = (getattr(simple, "GhostCellsGenerator", None) or simple.GhostCells)(Input=source, BuildIfRequired=0)
         for form in ("raw_none", "raw_zlib", "ascii"):
             simple.SaveData(os.path.join(OUT, f"two_{stem}_{form}.{extension}"), proxy=source, **FORMS[form])
-            simple.SaveData(os.path.join(OUT, f"ghost_{stem}_{form}.{extension}"), proxy=ghosts, **FORMS[form])
+            # Of a curved grid, ParaView 5.11 writes pieces that leave out a corner of the whole.
+            if extension != "pvts":
+                simple.SaveData(os.path.join(OUT, f"ghost_{stem}_{form}.{extension}"), proxy=ghosts, **FORMS[form])
         simple.SaveData(os.path.join(OUT, f"two_{stem}.pvd"), proxy=source)
 
 

@@ -1,4 +1,5 @@
-//! Writes legacy files, binary: version 4.2, which every VTK reads, or 5.1 where 32 bits do not count far enough.
+//! Writes legacy files, binary: version 4.2, which every VTK reads, or 5.1 where 32 bits do not count far enough, or where the
+//! points of higher-order cells are in its order.
 
 use std::io::{self, Write};
 
@@ -7,6 +8,7 @@ use crate::io::bytes::{ByteOrder, Element, pack_bits};
 use crate::io::dataset::{Attributes, CellArray, DataSet, Geometry, Role};
 use crate::io::write::Objection;
 
+use super::order::{POINTS_MOVED, has_moved_points};
 use crate::io::lexer::encoded;
 
 const POLYHEDRON: u8 = 42;
@@ -24,7 +26,8 @@ pub(in crate::io) fn check(dataset: &DataSet) -> Result<(), Objection> {
 /// Writes a data set that the checks accept.
 pub(in crate::io) fn write(dataset: &DataSet, file: &mut impl Write) -> io::Result<()> {
     let wide = longest_list(&dataset.geometry).saturating_add(dataset.cell_count()) > i32::MAX as usize
-        || dataset.point_count() > i32::MAX as usize;
+        || dataset.point_count() > i32::MAX as usize
+        || (has_moved_points(&dataset.geometry) && dataset.version >= Some(POINTS_MOVED));
     write_version(dataset, wide, file)
 }
 

@@ -16,6 +16,7 @@ mod replacing;
 mod roundtrip;
 mod speed;
 mod tables;
+mod versions;
 
 use std::path::{Path, PathBuf};
 
