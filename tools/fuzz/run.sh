@@ -12,6 +12,8 @@ set -eu
 cd "$(dirname "$0")/../.."
 target=${1:?usage: sh tools/fuzz/run.sh xml|legacy|mesh [SECONDS|FILE]}
 what=${2:-600}
+# The versions that the tests run with.
+[ -e tools/fuzz/Cargo.lock ] || cp Cargo.lock tools/fuzz/Cargo.lock
 if [ -f "$what" ]; then
     exec cargo +nightly fuzz run "$target" "$what" --fuzz-dir tools/fuzz -- -timeout=10 -malloc_limit_mb=300 -rss_limit_mb=2048
 fi
