@@ -4,6 +4,7 @@ mod arrays;
 mod collections;
 mod damage;
 mod domains;
+mod fuzzed;
 mod handles;
 mod images;
 mod meshes;
