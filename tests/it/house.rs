@@ -70,7 +70,10 @@ fn files(folder: &Path, extension: &str, found: &mut Vec<PathBuf>) {
     entries.sort();
     for path in entries {
         if path.is_dir() {
-            files(&path, extension, found);
+            // What cargo builds for the fuzz targets and the wheel is not ours.
+            if !path.ends_with("target") {
+                files(&path, extension, found);
+            }
         } else if path.extension().is_some_and(|e| e == extension) {
             found.push(path);
         }

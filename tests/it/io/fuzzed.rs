@@ -62,6 +62,20 @@ fn control_characters_in_information_keys_are_not_written_as_xml() {
     }
 }
 
+/// The name of its first column made a table look like XML when it was read back.
+#[test]
+fn a_table_may_begin_with_a_bracket() {
+    let folder = tempfile::tempdir().unwrap();
+    let dataset = read_text(&folder, "a.csv", b"# text\n<a,b\n1,2\n2,5\n").unwrap();
+    write(folder.path().join("b.csv"), &dataset).unwrap();
+    let again = read(folder.path().join("b.csv")).unwrap();
+    assert_eq!(again.point_data, dataset.point_data);
+    // Files of VTK are still told by their content, whatever they are called.
+    write(folder.path().join("c.vtp"), &dataset).unwrap();
+    std::fs::rename(folder.path().join("c.vtp"), folder.path().join("c.csv")).unwrap();
+    assert_eq!(read(folder.path().join("c.csv")).unwrap().geometry, dataset.geometry);
+}
+
 /// A head that declares 34,604,034 x 2 pixels and an inch of data.
 #[test]
 fn an_image_larger_than_its_file_can_hold_is_refused_before_memory_is_taken() {
