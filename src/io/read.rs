@@ -82,7 +82,8 @@ fn is_xml(bytes: &[u8]) -> bool {
     text(bytes).starts_with(b"<")
 }
 
-fn is_certainly_xml(bytes: &[u8]) -> bool {
+/// Whether bytes begin as XML does, and nothing else that is read here.
+pub(super) fn is_certainly_xml(bytes: &[u8]) -> bool {
     [&b"<?xml"[..], b"<!--", b"<VTKFile"].iter().any(|mark| text(bytes).starts_with(mark))
 }
 
