@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::collection::{Collection, CollectionKind, addresses};
 use super::dataset::{DataSet, Geometry};
 use super::error::{Fault, IoError, Place, quoted};
-use super::weld::weld;
+use super::weld::{owned, weld};
 use super::xml::{Index, Reference, merge};
 
 /// Reads the files that an index file names.
@@ -37,7 +37,7 @@ pub(super) fn read_indexed(
             let whole = merge(parts).map_err(fault)?;
             let whole = match whole.geometry {
                 Geometry::PolyData { .. } | Geometry::UnstructuredGrid { .. } => weld(whole, &counts).map_err(fault)?,
-                _ => whole,
+                _ => DataSet { point_data: owned(whole.point_data), cell_data: owned(whole.cell_data), ..whole },
             };
             Ok(DataSet { field_data, version, ..whole })
         }

@@ -4,6 +4,7 @@ mod arrays;
 mod collections;
 mod damage;
 mod domains;
+mod fuzzed;
 mod handles;
 mod images;
 mod meshes;
@@ -16,6 +17,7 @@ mod replacing;
 mod roundtrip;
 mod speed;
 mod tables;
+mod versions;
 
 use std::path::{Path, PathBuf};
 

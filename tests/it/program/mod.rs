@@ -20,6 +20,8 @@ mod queries;
 mod series;
 mod simplify;
 mod steps;
+#[cfg(unix)]
+mod stop;
 mod unusual;
 mod weights;
 
