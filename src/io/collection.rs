@@ -47,7 +47,8 @@ pub struct Collection {
 }
 
 impl Collection {
-    /// Reads a list of files; `None` for a file that is none, a parallel file (`.pvtu` and the like) among them.
+    /// Reads a list of files; `None` for a file that is none, a parallel file (`.pvtu` and the like) among them. The time steps within
+    /// a `.vtkhdf` file are listed as `run.vtkhdf/0` and so on.
     ///
     /// # Errors
     /// [`IoError::Read`] if there is no such file; [`IoError::Malformed`] for a broken list.
@@ -57,6 +58,10 @@ impl Collection {
     pub fn read(path: impl AsRef<Path>) -> Result<Option<Self>, IoError> {
         let path = path.as_ref();
         let failed = |source| IoError::Read { path: path.to_owned(), source };
+        #[cfg(feature = "vtkhdf")]
+        if let Some(times) = super::hdf::times(path)? {
+            return Ok(Self::of_steps(path, &times));
+        }
         let mut file = File::open(path).map_err(failed)?;
         let mut bytes = Vec::new();
         (&mut file).take(HEAD as u64).read_to_end(&mut bytes).map_err(failed)?;
@@ -79,6 +84,20 @@ impl Collection {
             path: beside(path, reference),
         };
         Self { kind, entries: listing.references.iter().map(entry).collect(), empty: listing.empty.clone(), listing }
+    }
+
+    /// The steps within one file, as a `.pvd` file would list them.
+    #[cfg(feature = "vtkhdf")]
+    fn of_steps(path: &Path, times: &[f64]) -> Option<Self> {
+        let name = path.file_name()?.to_string_lossy();
+        let entries: Vec<(f64, String)> = times.iter().enumerate().map(|(step, &time)| (time, format!("{name}/{step}"))).collect();
+        let mut text = Vec::new();
+        // Nothing can fail in memory.
+        write_listing(&mut text, &entries).ok()?;
+        match index(&text) {
+            Ok(Some(Index::Collection(listing))) => Some(Self::of_listing(path, listing)),
+            _ => None,
+        }
     }
 
     /// The data set of an address, by names or by numbers.
@@ -115,7 +134,8 @@ impl Collection {
     }
 }
 
-/// The file behind a name: for `case.vtm/inlet` or `steps.pvd/3` that of the block or step, for others the name itself.
+/// The file behind a name: for `case.vtm/inlet` or `steps.pvd/3` that of the block or step, for others the name itself. Blocks and
+/// steps of a `.vtkhdf` file have no files of their own: it is that file.
 ///
 /// A file is a folder of what it lists; blocks are named as [`Entry::address`] or [`Entry::numbers`] say.
 ///
@@ -128,6 +148,10 @@ pub fn resolve(path: impl AsRef<Path>) -> Result<PathBuf, IoError> {
     let path = path.as_ref();
     if path.exists() {
         return Ok(path.to_owned());
+    }
+    #[cfg(feature = "vtkhdf")]
+    if let Some((file, _)) = super::hdf::inside(path) {
+        return Ok(file);
     }
     let Some(list) = path.ancestors().skip(1).find(|ancestor| ancestor.is_file()) else { return Ok(path.to_owned()) };
     let mut list = list.to_owned();
@@ -186,14 +210,16 @@ pub(super) fn may_list_files(bytes: &[u8]) -> bool {
 /// # Errors
 /// [`IoError::Write`] if the file cannot be created.
 pub fn write_collection(path: impl AsRef<Path>, entries: &[(f64, String)]) -> Result<PendingFile, IoError> {
-    PendingFile::create(path.as_ref(), |file| {
-        writeln!(file, "<?xml version=\"1.0\"?>")?;
-        writeln!(file, "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>")?;
-        for (time, name) in entries {
-            writeln!(file, "    <DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{}\"/>", escaped(name))?;
-        }
-        writeln!(file, "  </Collection>\n</VTKFile>")
-    })
+    PendingFile::create(path.as_ref(), |file| write_listing(file, entries))
+}
+
+fn write_listing(file: &mut impl Write, entries: &[(f64, String)]) -> std::io::Result<()> {
+    writeln!(file, "<?xml version=\"1.0\"?>")?;
+    writeln!(file, "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>")?;
+    for (time, name) in entries {
+        writeln!(file, "    <DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{}\"/>", escaped(name))?;
+    }
+    writeln!(file, "  </Collection>\n</VTKFile>")
 }
 
 fn escaped(text: &str) -> String {

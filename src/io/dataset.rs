@@ -234,6 +234,12 @@ impl Role {
         (Self::ProcessIds, "ProcessIds"),
     ];
 
+    /// Every role, in VTK's order.
+    #[cfg(feature = "vtkhdf")]
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        Self::NAMES.iter().map(|entry| entry.0)
+    }
+
     /// The name in VTK XML.
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize].1

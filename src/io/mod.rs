@@ -16,6 +16,8 @@ mod error;
 mod fingerprint;
 mod formats;
 mod handles;
+#[cfg(feature = "vtkhdf")]
+mod hdf;
 mod json;
 mod legacy;
 mod lexer;

@@ -32,16 +32,29 @@ pub(super) fn read_indexed(
             }
             let field_data = parts[0].field_data.clone();
             let version = parts[0].version;
-            let counts: Vec<usize> = parts.iter().map(DataSet::point_count).collect();
-            let fault = |fault: Fault| fault.in_file(path);
-            let whole = merge(parts).map_err(fault)?;
-            let whole = match whole.geometry {
-                Geometry::PolyData { .. } | Geometry::UnstructuredGrid { .. } => weld(whole, &counts).map_err(fault)?,
-                _ => DataSet { point_data: owned(whole.point_data), cell_data: owned(whole.cell_data), ..whole },
-            };
+            let whole = merged(parts).map_err(|fault| fault.in_file(path))?;
             Ok(DataSet { field_data, version, ..whole })
         }
         Index::Collection(listing) => only(path, &Collection::of_listing(path, listing), serial),
+    }
+}
+
+/// Pieces as one data set without seams.
+fn merged(parts: Vec<DataSet>) -> Result<DataSet, Fault> {
+    let counts: Vec<usize> = parts.iter().map(DataSet::point_count).collect();
+    let whole = merge(parts)?;
+    match whole.geometry {
+        Geometry::PolyData { .. } | Geometry::UnstructuredGrid { .. } => weld(whole, &counts),
+        _ => Ok(DataSet { point_data: owned(whole.point_data), cell_data: owned(whole.cell_data), ..whole }),
+    }
+}
+
+/// Parts of one file as one data set; a part that is alone has no seams.
+#[cfg(feature = "vtkhdf")]
+pub(super) fn joined(mut parts: Vec<DataSet>) -> Result<DataSet, Fault> {
+    match parts.len() {
+        1 => Ok(parts.swap_remove(0)),
+        _ => merged(parts),
     }
 }
 

@@ -8,16 +8,18 @@ use super::collection::{may_list_files, resolve};
 use super::dataset::DataSet;
 use super::error::{Fault, IoError, Place};
 use super::formats::MeshFormat;
+#[cfg(feature = "vtkhdf")]
+use super::hdf;
 use super::parallel::read_indexed;
 use super::xml::Index;
 use super::{legacy, xml};
 
 /// Reads a data set from a VTK XML file (`.vti .vtr .vts .vtp .vtu`), a parallel one (`.pvti .pvtr .pvts .pvtp .pvtu`), a legacy
-/// `.vtk` file, a mesh file (`.obj .off .ply .stl .mesh .msh`), a table (`.csv .tsv`), an image (`.png`), or an array (`.npy`).
+/// `.vtk` file, a VTKHDF file (`.vtkhdf`, with the feature of this name), a mesh file (`.obj .off .ply .stl .mesh .msh`), a table (`.csv .tsv`), an image (`.png`), or an array (`.npy`).
 ///
 /// Pieces of a parallel file become one data set without seams: ghost cells are left out, and points that stand in several pieces are one.
 /// A collection (`.vtm .pvd`) is read if it names one file; of several, `case.vtm/inlet` or `steps.pvd/3` is one of them, as
-/// [`resolve`](super::resolve) finds it. The content tells VTK's files, whatever they are called; mesh files are told by their extension. Several pieces in one
+/// [`resolve`](super::resolve) finds it; so are the steps and blocks within a VTKHDF file, `run.vtkhdf/3`. The content tells VTK's files, whatever they are called; mesh files are told by their extension. Several pieces in one
 /// file become one data set. Surfaces become poly data, Medit and Gmsh meshes unstructured grids; points keep their
 /// numbers (but for `.stl`, which has none). A table becomes a polyline: a point a row, along its dates or its first rising or falling
 /// column.
@@ -29,9 +31,14 @@ use super::{legacy, xml};
 /// # Cost
 /// Time and memory linear in the size of the file and of the data that it declares. Declared sizes are checked against
 /// the bytes that are there before memory is taken; packed data may unfold at most as far as its compressor can pack
-/// (1,040-fold for zlib, 256-fold for lz4, 65,536-fold for lzma).
+/// (1,040-fold for zlib, 256-fold for lz4, 65,536-fold for lzma). Of a VTKHDF file, all arrays together are at most 1,040 times as long
+/// as the file, and 64 KiB.
 pub fn read(path: impl AsRef<Path>) -> Result<DataSet, IoError> {
     let path = path.as_ref();
+    #[cfg(feature = "vtkhdf")]
+    if let Some((file, address)) = hdf::inside(path) {
+        return hdf::read(&file, &address);
+    }
     match resolve(path)? {
         same if same == path => read_file(path, LEVELS),
         block => read_file(&block, LEVELS),
@@ -49,6 +56,13 @@ fn read_file(path: &Path, levels: usize) -> Result<DataSet, IoError> {
     // What is no file, such as a pipe, has no length and cannot be read from the middle.
     let length = usize::try_from(metadata.len()).ok().filter(|_| metadata.is_file()).unwrap_or(0);
     let mut bytes = Vec::new();
+    #[cfg(feature = "vtkhdf")]
+    {
+        (&file).take(hdf::SIGNATURE.len() as u64).read_to_end(&mut bytes).map_err(failed)?;
+        if bytes == hdf::SIGNATURE && metadata.is_file() {
+            return hdf::read(path, "");
+        }
+    }
     let mut step = HEAD;
     while length > LARGE && bytes.len() < length {
         (&file).take(step).read_to_end(&mut bytes).map_err(failed)?;

@@ -6,8 +6,14 @@ use super::array::{ArrayData, DataArray, InformationValue};
 use super::dataset::{Attributes, CellArray, DataSet, Geometry, IndexWidth, Polyhedra};
 use super::error::{IoError, quoted};
 use super::formats::MeshFormat;
+#[cfg(feature = "vtkhdf")]
+use super::hdf;
 use super::pending::PendingFile;
 use super::{legacy, xml};
+
+/// The extension that VTK gives its HDF5 files.
+#[cfg(feature = "vtkhdf")]
+const HDF: &str = "vtkhdf";
 
 /// Whether arrays of an XML file are packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -22,8 +28,9 @@ pub enum Compression {
 /// Writes a data set beside `path`, to be put in its place by [`PendingFile::commit`].
 ///
 /// The extension chooses the format: `.vti .vtr .vts .vtp .vtu` write XML with appended raw data and 64-bit headers,
-/// readable by VTK 6 and later; `.vtk` writes binary legacy, version 4.2, or 5.1 where 4.2 cannot count so far. The mesh formats
-/// `.obj .off .ply .stl .mesh .msh` hold poly data and unstructured grids, without what [`losses`] names.
+/// readable by VTK 6 and later; `.vtk` writes binary legacy, version 4.2, or 5.1 where 4.2 cannot count so far; `.vtkhdf` writes HDF5 as
+/// VTK 9.7 reads it (feature `vtkhdf`). The mesh formats `.obj .off .ply .stl .mesh .msh` hold poly data and unstructured
+/// grids. The last two leave out what [`losses`] names.
 ///
 /// # Errors
 /// [`IoError::Unwritable`] if the extension does not fit the data set, the data set contradicts itself, or the format
@@ -50,6 +57,11 @@ pub fn write_temporary_with(
         format.losses(dataset).map_err(unwritable)?;
         return PendingFile::create(path, |file| format.write(dataset, file));
     }
+    #[cfg(feature = "vtkhdf")]
+    if extension == HDF {
+        check(dataset).and_then(|()| hdf::check(dataset)).map_err(unwritable)?;
+        return PendingFile::create(path, |file| hdf::write(dataset, compression, file));
+    }
     if extension != own && extension != "vtk" {
         let found = format!("a name ending in {} for {}", quoted(&extension), dataset.geometry.name());
         return Err(unwritable((found, format!(".{own} or .vtk"))));
@@ -71,13 +83,17 @@ pub fn write(path: impl AsRef<Path>, dataset: &DataSet) -> Result<(), IoError> {
     write_temporary(path, dataset)?.commit()
 }
 
-/// What of a data set the format of a file name cannot hold, in words; empty for the formats of VTK.
+/// What of a data set the format of a file name cannot hold, in words; empty for VTK's XML and legacy formats.
 ///
 /// # Errors
 /// [`IoError::Unwritable`] if the format has no room for the cells.
 pub fn losses(path: impl AsRef<Path>, dataset: &DataSet) -> Result<Vec<String>, IoError> {
     let path = path.as_ref();
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    #[cfg(feature = "vtkhdf")]
+    if extension.eq_ignore_ascii_case(HDF) {
+        return Ok(hdf::losses(dataset));
+    }
     let Some(format) = MeshFormat::of_extension(extension) else { return Ok(Vec::new()) };
     let unwritable = |(found, expected)| IoError::Unwritable { path: path.to_owned(), found, expected };
     format.losses(dataset).map_err(unwritable)

@@ -41,6 +41,7 @@ const HOMES: [(&str, &[&str]); 21] = [
     ("lz4_flex", &["io"]),
     ("lzma_rust2", &["io"]),
     ("base64", &["io"]),
+    ("hdf5_pure", &["io/hdf"]),
     ("vtkio", &["io"]),
     ("ply_rs_bw", &["io/formats/ply.rs"]),
     ("stl_io", &["io/formats/stl.rs"]),

@@ -2,8 +2,8 @@
 
     python tools/vtk/generate.py FOLDER
 
-`roundtrip.py FOLDER` then compares; the tests under tests/it/io read a copy of the folder (tests/it/io/files). Every file of
-one kind holds the same data, so a test can compare the files with each other. Needs the packages vtk and numpy.
+`roundtrip.py FOLDER` then compares; the tests under tests/it/io read a copy of the folder (tests/it/io/files; .vtkhdf files under
+hdf). Every file of one kind holds the same data, so a test can compare the files with each other. Needs the packages vtk and numpy.
 """
 
 import os
@@ -11,7 +11,11 @@ import sys
 
 import vtk
 
-from samples import KINDS, empty, image, poly, turned, unstructured
+import numpy as np
+from vtkmodules.util import numpy_support
+from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
+
+from samples import KINDS, array, empty, image, poly, turned, unstructured, vtk_points
 
 OUT = sys.argv[1]
 os.makedirs(OUT, exist_ok=True)
@@ -74,3 +78,74 @@ write_xml(vtk.vtkPolyData(), "empty", packer="ZLib")
 nothing = empty()
 write_xml(nothing, "empty_base64", base64=True, packer="ZLib", header=32)
 write_legacy(nothing, "empty_42_ascii", 42, False)
+
+
+class Source(VTKPythonAlgorithmBase):
+    """A data set that changes with time: the values, and the places of points where it has any."""
+
+    TIMES = [0.0, 0.5, 2.0]
+
+    def __init__(self, whole):
+        VTKPythonAlgorithmBase.__init__(self, nInputPorts=0, nOutputPorts=1, outputType=whole.GetClassName())
+        self.whole = whole
+
+    def RequestInformation(self, _request, _inputs, outputs):
+        information = outputs.GetInformationObject(0)
+        pipeline = vtk.vtkStreamingDemandDrivenPipeline
+        information.Set(pipeline.TIME_STEPS(), self.TIMES, len(self.TIMES))
+        information.Set(pipeline.TIME_RANGE(), [self.TIMES[0], self.TIMES[-1]], 2)
+        if self.whole.IsA("vtkImageData"):
+            information.Set(pipeline.WHOLE_EXTENT(), self.whole.GetExtent(), 6)
+        return 1
+
+    def RequestData(self, _request, _inputs, outputs):
+        key = vtk.vtkStreamingDemandDrivenPipeline.UPDATE_TIME_STEP()
+        information = outputs.GetInformationObject(0)
+        time = information.Get(key) if information.Has(key) else self.TIMES[0]
+        step = self.TIMES.index(time)
+        output = vtk.vtkDataObject.GetData(outputs)
+        output.ShallowCopy(self.whole)
+        if not self.whole.IsA("vtkImageData"):
+            places = numpy_support.vtk_to_numpy(self.whole.GetPoints().GetData())
+            output.SetPoints(vtk_points(places + [step, 0, 0]))
+        output.GetPointData().AddArray(array("speed", np.arange(output.GetNumberOfPoints()) * 0.25 + step))
+        output.GetCellData().AddArray(array("material", np.arange(output.GetNumberOfCells(), dtype=np.int32) + 100 * step))
+        output.GetInformation().Set(vtk.vtkDataObject.DATA_TIME_STEP(), time)
+        return 1
+
+
+def stored(dataset, only=None):
+    """Without the arrays that VTK's writer of VTKHDF refuses, or with a few only."""
+    points = dataset.GetPointData()
+    for name in [points.GetArrayName(i) for i in range(points.GetNumberOfArrays())]:
+        if name in ("labels", "bits") or (only and name not in only):
+            points.RemoveArray(name)
+    return dataset
+
+
+def write_hdf(source, name, level=0, steps=False):
+    writer = vtk.vtkHDFWriter()
+    if steps:
+        writer.SetInputConnection(source.GetOutputPort())
+    else:
+        writer.SetInputData(source)
+    writer.SetFileName(f"{OUT}/{name}.vtkhdf")
+    # Chunks are written whole.
+    writer.SetChunkSize(16)
+    writer.SetCompressionLevel(level)
+    writer.SetWriteAllTimeSteps(steps)
+    assert writer.Write() == 1
+
+
+for kind, make in {**KINDS, "turned": turned, "polyhedron": lambda: unstructured(True)}.items():
+    write_hdf(stored(make()), kind)
+write_hdf(stored(poly()), "poly_packed", level=4)
+write_hdf(vtk.vtkPolyData(), "empty")
+parts, blocks = vtk.vtkPartitionedDataSet(), vtk.vtkMultiBlockDataSet()
+for part in range(2):
+    parts.SetPartition(part, stored(unstructured(True), ["speed"]))
+    blocks.SetBlock(part, stored([poly, unstructured][part](), ["speed"]))
+write_hdf(parts, "parts")
+write_hdf(blocks, "blocks")
+write_hdf(Source(stored(unstructured(True), ["speed"])), "steps", steps=True)
+write_hdf(Source(stored(image(), ["speed"])), "steps_image", steps=True)

@@ -113,9 +113,10 @@ pub enum Command {
 /// Which field of which file, on which part of the domain.
 #[derive(Debug, Clone, Args)]
 pub struct FieldArgs {
-    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
+    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk .vtkhdf, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
     ///
-    /// FILE.vtm/NAME or FILE.pvd/NUMBER is one data set of a list; 'morsmooth info FILE.vtm' names them.
+    /// FILE.vtm/NAME or FILE.pvd/NUMBER is one data set of a list; 'morsmooth info FILE.vtm' names them. So are FILE.vtkhdf/NUMBER
+    /// and FILE.vtkhdf/BLOCK.
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several.
@@ -136,9 +137,10 @@ pub struct FieldArgs {
 /// Which fields of which file, on which part of the domain.
 #[derive(Debug, Clone, Args)]
 pub struct FieldsArgs {
-    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
+    /// File to read: VTK's .vti .vtu .vtp .vtr .vts .vtk .vtkhdf, a mesh (.obj .off .ply .stl .mesh .msh), or a table (.csv .tsv).
     ///
-    /// FILE.vtm/NAME or FILE.pvd/NUMBER is one data set of a list; 'morsmooth info FILE.vtm' names them.
+    /// FILE.vtm/NAME or FILE.pvd/NUMBER is one data set of a list; 'morsmooth info FILE.vtm' names them. So are FILE.vtkhdf/NUMBER
+    /// and FILE.vtkhdf/BLOCK.
     pub input: PathBuf,
 
     /// Point array to work on. Needed only where the file has several. May be given several times, or as a list a,b,c: each
@@ -417,8 +419,8 @@ pub struct CheckArgs {
 /// `morsmooth convert`.
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
-    /// File to read: .vti .vtu .vtp .vtr .vts .vtk, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), an image (.png), an
-    /// array (.npy), or a list (.vtm .pvd, a pattern in quotes).
+    /// File to read: .vti .vtu .vtp .vtr .vts .vtk .vtkhdf, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), an image (.png),
+    /// an array (.npy), or a list (.vtm .pvd, a pattern in quotes).
     pub input: PathBuf,
 
     /// File to write; its extension, one of the same, chooses the format.

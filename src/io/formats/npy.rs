@@ -14,6 +14,8 @@ use crate::io::error::{Fault, Place, quoted};
 use crate::io::write::Objection;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
+/// Types of numbers that are read, for messages.
+const TYPES: &str = "integers i1, i2, i4, i8, u1, u2, u4, u8, floats f4, f8, or truth values b1";
 /// The format has no name for its array.
 const NAME: &str = "values";
 
@@ -60,6 +62,18 @@ pub(super) fn read(bytes: &[u8]) -> Result<DataSet, Fault> {
     Ok(dataset)
 }
 
+fn unknown_type(name: &str, place: usize) -> Fault {
+    let what = match name.trim_start_matches(['<', '>', '=', '|']).chars().next() {
+        Some('O') => "Python objects",
+        Some('S' | 'a' | 'U') => "texts",
+        Some('V') => "records",
+        Some('c') => "complex numbers",
+        Some('M' | 'm') => "dates or times",
+        _ => "numbers",
+    };
+    Fault::unsupported(Place::Byte(place), format!("{what} of type {}", quoted(name)), TYPES)
+}
+
 impl Header {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let fault = |found: &str, expected: &str| Fault::new(Place::File, found, expected);
@@ -87,10 +101,15 @@ impl Header {
         let order = match letters.next() {
             Some('<' | '|' | '=') => ByteOrder::Little,
             Some('>') => ByteOrder::Big,
-            _ => return Err(Fault::unsupported(Place::Byte(begin), format!("numbers of type {}", quoted(type_name)), "<f8 and the like")),
+            _ => return Err(unknown_type(type_name, begin)),
         };
         let kind = letters.next().unwrap_or(' ');
         let width = letters.as_str().parse().unwrap_or(0);
+        // Before the numbers are counted: what is no number has no width to count by.
+        let is_known = matches!((kind, width), ('i' | 'u', 1 | 2 | 4 | 8) | ('f', 4 | 8) | ('b', 1));
+        if !is_known {
+            return Err(unknown_type(type_name, begin));
+        }
         let is_fortran = match entry("fortran_order")? {
             text if text.starts_with("True") => true,
             text if text.starts_with("False") => false,
@@ -122,9 +141,7 @@ impl Header {
             ('f', 4) => numbers!(F32),
             ('f', 8) => numbers!(F64),
             ('b', 1) => ArrayData::Bit(self.in_rows(bytes.iter().map(|&byte| byte != 0).collect())),
-            (kind, width) => {
-                return Err(Fault::unsupported(Place::File, format!("numbers of type {kind}{width}"), "i or u of 1 to 8 bytes, f4, f8 or b1"));
-            }
+            (kind, width) => return Err(unknown_type(&format!("{kind}{width}"), self.start)),
         })
     }
 

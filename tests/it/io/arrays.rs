@@ -104,13 +104,18 @@ fn damaged_headers_are_refused() {
         (npy("<f8", false, "(0, 3)", &[]), "at least one number"),
         (npy("<f8", false, "()", &[0; 8]), "an array of 0 axes"),
         (npy("<f8", false, "((((((3", &[0; 8]), "shape"),
-        (npy("<c16", false, "(1,)", &[0; 16]), "numbers of type c16"),
-        (npy("|O8", false, "(1,)", &[0; 8]), "numbers of type O8"),
+        (npy("<c16", false, "(1,)", &[0; 16]), "complex numbers of type \"<c16\""),
+        (npy("|O8", false, "(1,)", &[0; 8]), "Python objects of type \"|O8\""),
         (npy("<f8", false, "(-2, 3)", &[0; 48]), "no list of axes as shape"),
     ] {
         let error = read_bytes(&bytes).unwrap_err().to_string();
         assert!(error.contains(words), "{error} lacks {words}");
     }
+    // As numpy.save writes an array of objects: without a width.
+    let error = read_bytes(&npy("|O", false, "(3,)", &[0x80, 4, 0x4b, 1, 0x2e])).unwrap_err().to_string();
+    let words = ", byte 10: Python objects of type \"|O\" cannot be read here; \
+        expected integers i1, i2, i4, i8, u1, u2, u4, u8, floats f4, f8, or truth values b1";
+    assert!(error.ends_with(words), "{error}");
     let mut version = whole.clone();
     version[6] = 9;
     assert!(read_bytes(&version).unwrap_err().to_string().contains("format version 9"));

@@ -6,6 +6,9 @@ mod damage;
 mod domains;
 mod fuzzed;
 mod handles;
+#[cfg(feature = "vtkhdf")]
+mod hdf;
+mod large;
 mod images;
 mod meshes;
 #[cfg(feature = "vtkio")]

@@ -12,6 +12,8 @@ mod diffuse;
 mod fields;
 mod geodesic;
 mod handles;
+#[cfg(feature = "vtkhdf")]
+mod hdf;
 mod kinds;
 mod options;
 mod persistence;

@@ -331,7 +331,7 @@ pub enum PointKind {
 /// Vertices listed in a file: point numbers in a text, or the extrema of a persistence diagram in a VTK file.
 pub fn read_points(path: &Path, kind: PointKind, input: &FieldInput) -> Result<Vec<VertexId>, Failure> {
     let is_vtk = path.extension().and_then(|extension| extension.to_str()).is_some_and(|extension| {
-        ["vtu", "vtp", "vtk"].iter().any(|vtk| extension.eq_ignore_ascii_case(vtk))
+        ["vtu", "vtp", "vtk", "vtkhdf"].iter().any(|vtk| extension.eq_ignore_ascii_case(vtk))
     });
     let points = if is_vtk { diagram_points(path, kind)? } else { listed_points(path)? };
     let mut vertices = points.into_iter().map(|point| input.vertex_of_point(path, point)).collect::<Result<Vec<_>, _>>()?;
