@@ -76,6 +76,28 @@ fn a_table_may_begin_with_a_bracket() {
     assert_eq!(read(folder.path().join("c.csv")).unwrap().geometry, dataset.geometry);
 }
 
+/// Without its quotes, a row that begins with # was a comment when the table was read again, and so no longer a row.
+#[test]
+fn a_cell_that_begins_as_a_comment_stays_a_cell() {
+    let folder = tempfile::tempdir().unwrap();
+    for source in ["\"#", "\"#\"\n1\n", "name,h\n\"#1\",5\na,6\n\"#2\",7\n", "\"#a\"\tb\n1\t2\n"] {
+        let dataset = read_text(&folder, "a.csv", source.as_bytes()).unwrap();
+        write(folder.path().join("b.csv"), &dataset).unwrap();
+        let again = read(folder.path().join("b.csv")).unwrap();
+        assert_eq!((again.point_count(), &again.point_data), (dataset.point_count(), &dataset.point_data), "{source:?}");
+    }
+}
+
+#[test]
+fn a_byte_order_mark_is_no_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let dataset = read_text(&folder, "a.csv", "# above\n\u{feff}\n".as_bytes()).unwrap();
+    write(folder.path().join("b.csv"), &dataset).unwrap();
+    assert!(read(folder.path().join("b.csv")).is_ok());
+    let dataset = read_text(&folder, "a.csv", "# above\n\u{feff}t,h\n0,1\n1,2\n".as_bytes()).unwrap();
+    assert!(dataset.point_array("h").is_some() && dataset.field_data.iter().any(|array| array.to_texts()[0] == "t"));
+}
+
 /// A head that declares 34,604,034 x 2 pixels and an inch of data.
 #[test]
 fn an_image_larger_than_its_file_can_hold_is_refused_before_memory_is_taken() {
