@@ -133,6 +133,8 @@ fn vtk_reads_what_is_written_and_the_other_way_round() {
             let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
             script(python, &["tools/vtk/generate.py", &path("files")]);
             script(python, &["tools/vtk/roundtrip.py", &path("files"), &path("out")]);
+            script(python, &["tools/vtk/generate_pyvista.py", &path("pyvista")]);
+            script(python, &["tools/vtk/roundtrip.py", &path("pyvista"), &path("pyvista_out")]);
             let jet = ["datasets/jet.vti", "--array", "vorticity_magnitude", "--mask", "valid"];
             script(python, &[&["tools/vtk/diagram.py", "--program", PROGRAM], &jet[..]].concat());
             let complex = path("complex");
@@ -166,9 +168,26 @@ fn paraview_runs_the_filters_and_spreads_a_series() {
     }
 }
 
+#[test]
+fn what_paraview_saves_is_read_as_vtk_reads_it() {
+    let what = "files saved by ParaView";
+    if !["pvpython", "pvbatch", "mpiexec"].iter().all(|name| is_installed(name)) {
+        return skip_paraview(what);
+    }
+    match python() {
+        Err(why) => skip(what, why),
+        Ok(python) => {
+            let folder = tempfile::tempdir().unwrap();
+            let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+            script(python, &["tools/vtk/generate_paraview.py", &path("files")]);
+            script(python, &["tools/vtk/roundtrip.py", &path("files"), &path("out")]);
+        }
+    }
+}
+
 /// ParaView comes from no package index: its absence is said, and never an error.
 fn skip_paraview(what: &str) {
-    say(&format!("skipped: {what}: pvpython and pvbatch are not installed (apt-get install paraview python3-paraview openmpi-bin)"));
+    say(&format!("skipped: {what}: pvpython, pvbatch or mpiexec is not installed (apt-get install paraview python3-paraview openmpi-bin)"));
 }
 
 fn is_installed(name: &str) -> bool {

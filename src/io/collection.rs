@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use super::error::{Fault, IoError, Place, quoted};
 use super::parallel::beside;
 use super::pending::PendingFile;
+use super::read::is_certainly_xml;
 use super::xml::{INDEX_MARKS, Index, Listing, index};
 
 /// How the data sets of a collection stand to each other.
@@ -196,7 +197,7 @@ const HEAD: usize = 4096;
 /// Whether the head of a file has a type that stands for other files, so that it is worth parsing for their names.
 pub(super) fn may_list_files(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(HEAD)];
-    let is_xml = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start().starts_with(b"<");
+    let is_xml = is_certainly_xml(head);
     let head = String::from_utf8_lossy(head);
     is_xml && INDEX_MARKS.iter().any(|mark| head.contains(mark))
 }

@@ -295,7 +295,8 @@ pub struct DataSet {
     pub field_data: Vec<DataArray>,
     /// The second line of a legacy file; empty otherwise.
     pub title: String,
-    /// Version of the XML format, which for some higher-order cells decides the order of their points.
+    /// Version of the XML format, which for some higher-order cells decides the order of their points: from 2.1, and from 5.1 of the
+    /// legacy format, Lagrange and Bézier hexahedra have the points of two of their edges exchanged.
     pub version: Option<[u32; 2]>,
 }
 

@@ -45,7 +45,7 @@ pub use fingerprint::fingerprint;
 pub use formats::{Table, TableAxis, image_dataset, polyline};
 pub use handles::{read_handles, region_handles};
 pub use outline::{outline_dataset, read_mesh_or_outline, read_outline};
-pub use pending::{PendingFile, is_same_file};
+pub use pending::{PendingFile, is_same_file, remove_pending_files};
 pub use pose::{read_keys, read_pose};
 pub use positions::set_positions;
 pub use read::read;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::collection::{Collection, CollectionKind, addresses};
 use super::dataset::{DataSet, Geometry};
 use super::error::{Fault, IoError, Place, quoted};
-use super::weld::weld;
+use super::weld::{owned, weld};
 use super::xml::{Index, Reference, merge};
 
 /// Reads the files that an index file names.
@@ -45,7 +45,7 @@ fn merged(parts: Vec<DataSet>) -> Result<DataSet, Fault> {
     let whole = merge(parts)?;
     match whole.geometry {
         Geometry::PolyData { .. } | Geometry::UnstructuredGrid { .. } => weld(whole, &counts),
-        _ => Ok(whole),
+        _ => Ok(DataSet { point_data: owned(whole.point_data), cell_data: owned(whole.cell_data), ..whole }),
     }
 }
 

@@ -4,8 +4,33 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::error::IoError;
+
+/// The temporary files of this process that are not yet in their places. Signals come to the process, and so does this list.
+static UNDER_WAY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn under_way() -> MutexGuard<'static, Vec<PathBuf>> {
+    // A thread that panicked with it in hand left a whole list.
+    UNDER_WAY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of all writes under way, and calls `end` before another can begin or take its place.
+///
+/// For programs that are told to stop, by a signal or otherwise: `end` should end the process. After it, a file that was under way
+/// is missing, and its [`PendingFile::commit`] is an error; what was in its place is as it was. The library never calls this itself.
+///
+/// # Cost
+/// O(k) for k files under way. Waits for a rename that has begun.
+pub fn remove_pending_files<T>(end: impl FnOnce() -> T) -> T {
+    let mut files = under_way();
+    for file in files.drain(..) {
+        // It may not be there yet, and nothing can be done about a failure here.
+        let _ = fs::remove_file(file);
+    }
+    end()
+}
 
 /// A file that is written, but not yet in its place.
 ///
@@ -47,7 +72,12 @@ impl PendingFile {
             hidden.push(extension);
         }
         let temporary = real.with_file_name(hidden);
-        let file = OpenOptions::new().write(true).create_new(true).open(&temporary).map_err(failed)?;
+        let file = {
+            let mut files = under_way();
+            let file = OpenOptions::new().write(true).create_new(true).open(&temporary).map_err(failed)?;
+            files.push(temporary.clone());
+            file
+        };
         let pending = Self { temporary, target: real, committed: false };
         let mut buffered = BufWriter::with_capacity(1 << 18, file);
         fill(&mut buffered).and_then(|()| buffered.flush()).map_err(failed)?;
@@ -69,13 +99,15 @@ impl PendingFile {
     /// # Errors
     /// [`IoError::Write`] if the rename fails; the temporary file is removed then.
     pub fn commit(mut self) -> Result<(), IoError> {
-        match fs::rename(&self.temporary, &self.target) {
-            Ok(()) => {
-                self.committed = true;
-                Ok(())
-            }
-            Err(source) => Err(IoError::Write { path: self.target.clone(), source }),
+        let mut files = under_way();
+        let renamed = fs::rename(&self.temporary, &self.target);
+        if renamed.is_ok() {
+            self.committed = true;
+            files.retain(|file| *file != self.temporary);
         }
+        // The list is needed again where the temporary file is removed.
+        drop(files);
+        renamed.map_err(|source| IoError::Write { path: self.target.clone(), source })
     }
 }
 
@@ -84,6 +116,7 @@ impl Drop for PendingFile {
         if !self.committed {
             // Nothing can be done about a failure here, and the user's own file is untouched.
             let _ = fs::remove_file(&self.temporary);
+            under_way().retain(|file| *file != self.temporary);
         }
     }
 }

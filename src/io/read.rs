@@ -93,7 +93,17 @@ const LARGE: usize = 1 << 22;
 const HEAD: u64 = 1 << 16;
 
 fn is_xml(bytes: &[u8]) -> bool {
-    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<")
+    text(bytes).starts_with(b"<")
+}
+
+/// Whether bytes begin as XML does, and nothing else that is read here.
+pub(super) fn is_certainly_xml(bytes: &[u8]) -> bool {
+    [&b"<?xml"[..], b"<!--", b"<VTKFile"].iter().any(|mark| text(bytes).starts_with(mark))
+}
+
+/// The bytes without what may stand before a text.
+fn text(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start()
 }
 
 fn read_bytes(bytes: &[u8], format: Option<MeshFormat>) -> Result<DataSet, Fault> {
@@ -101,7 +111,8 @@ fn read_bytes(bytes: &[u8], format: Option<MeshFormat>) -> Result<DataSet, Fault
     if bytes.starts_with(b"# vtk DataFile") {
         return legacy::read(bytes);
     }
-    if is_xml(bytes) {
+    // The head of a table may begin with a bracket, too.
+    if is_xml(bytes) && (format.is_none() || is_certainly_xml(bytes)) {
         return xml::read(bytes, xml::Source::Memory(bytes));
     }
     let fault = |found: &str| Err(Fault::unsupported(Place::File, found, KNOWN));

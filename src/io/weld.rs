@@ -23,7 +23,7 @@ const AGREEMENT: (f64, f64) = (1e-5, 1e-9);
 ///
 /// Cells that are marked as another piece's are left out, and with them the points of no other cell. Points of different pieces are
 /// one if they have the same global id, or, without global ids, the same position up to rounding; the first piece's values
-/// hold.
+/// hold. Normals may differ: each piece has its own, of its side of the seam.
 ///
 /// # Arguments
 /// * `whole`: poly data or an unstructured grid; `counts`: the number of points of each piece.
@@ -186,7 +186,9 @@ fn integers(array: &DataArray) -> Option<Vec<u64>> {
 
 /// Refuses points that are one but whose values differ. Integers may: they say which process a copy belongs to, and the like.
 fn check_values(whole: &DataSet, same: &[u32]) -> Result<(), Fault> {
-    for array in whole.point_data.arrays.iter().filter(|array| array.data.value_type().is_float()) {
+    let normals = whole.point_data.active(Role::Normals);
+    let is_field = |array: &&DataArray| array.data.value_type().is_float() && array.name != "Normals" && normals != Some(array.name.as_str());
+    for array in whole.point_data.arrays.iter().filter(is_field) {
         let values = |tuple: usize| (0..array.components).map(move |part| array.data.number(tuple * array.components + part));
         let all = (0..array.data.len()).filter_map(|index| array.data.number(index)).filter(|value| value.is_finite());
         let largest = all.fold(0.0, |most: f64, value| most.max(value.abs()));
@@ -215,7 +217,7 @@ fn gathered(attributes: Attributes, tuples: &[usize]) -> Attributes {
 }
 
 /// Takes the marks of copies away: what is left is nobody's copy.
-fn owned(mut attributes: Attributes) -> Attributes {
+pub(super) fn owned(mut attributes: Attributes) -> Attributes {
     for array in &mut attributes.arrays {
         match &mut array.data {
             ArrayData::U8(marks) if array.name == GHOST_TYPE => marks.iter_mut().for_each(|mark| *mark &= !DUPLICATE),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::array::{ArrayData, DataArray};
+use super::array::{ArrayData, DataArray, InformationValue};
 use super::dataset::{Attributes, CellArray, DataSet, Geometry, IndexWidth, Polyhedra};
 use super::error::{IoError, quoted};
 use super::formats::MeshFormat;
@@ -195,13 +195,24 @@ fn check_cells(cells: &CellArray, bound: usize) -> Result<(), Objection> {
     Ok(())
 }
 
+/// Names of an array, of its components, and all that its information keys say.
+fn words(array: &DataArray) -> impl Iterator<Item = &String> {
+    let keys = array.information.iter().flat_map(|key| {
+        let values = match &key.value {
+            InformationValue::Single(value) => std::slice::from_ref(value),
+            InformationValue::List(values) => values,
+        };
+        [&key.name, &key.location].into_iter().chain(values)
+    });
+    std::iter::once(&array.name).chain(&array.component_names).chain(keys)
+}
+
 /// Characters that no XML file can hold, even escaped.
 fn check_names(dataset: &DataSet) -> Result<(), Objection> {
     let is_unwritable = |character: char| {
         character < ' ' && !matches!(character, '\t' | '\n' | '\r') || matches!(character, '\u{fffe}' | '\u{ffff}')
     };
-    let names = all_arrays(dataset).flat_map(|array| std::iter::once(&array.name).chain(&array.component_names));
-    for name in names {
+    for name in all_arrays(dataset).flat_map(words) {
         if name.contains(is_unwritable) {
             return Err((format!("a control character in the name {}", quoted(name)), "a name that XML can hold".into()));
         }

@@ -29,7 +29,7 @@ const FLOORS: [(&str, usize); 15] = [
 const FORBIDDEN: [(&str, &str); 1] = [("audit", "qp")];
 
 /// Where an outside crate may be named; nowhere else.
-const HOMES: [(&str, &[&str]); 21] = [
+const HOMES: [(&str, &[&str]); 22] = [
     ("faer", &["linalg"]),
     ("petgraph", &["morse", "monotone"]),
     ("spade", &["mesh/delaunay.rs"]),
@@ -51,6 +51,7 @@ const HOMES: [(&str, &[&str]); 21] = [
     ("noto_sans_mono_bitmap", &["plot"]),
     ("clap", &["bin"]),
     ("indicatif", &["bin"]),
+    ("signal_hook", &["bin"]),
 ];
 
 /// Outside crates without a home of their own.
@@ -70,7 +71,10 @@ fn files(folder: &Path, extension: &str, found: &mut Vec<PathBuf>) {
     entries.sort();
     for path in entries {
         if path.is_dir() {
-            files(&path, extension, found);
+            // What cargo builds for the fuzz targets and the wheel is not ours.
+            if !path.ends_with("target") {
+                files(&path, extension, found);
+            }
         } else if path.extension().is_some_and(|e| e == extension) {
             found.push(path);
         }

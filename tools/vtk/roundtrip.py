@@ -2,11 +2,12 @@
 
     python tools/vtk/roundtrip.py FILES [OUT]
 
-FILES is a folder of VTK files (generate.py makes one). The program tools/vtk/probe.rs reads each of them, describes what
-it read, and writes it back as raw XML, packed XML, legacy, and plain and packed VTKHDF. For each file VTK's own reading of the original is
+FILES is a folder of VTK files (generate.py, generate_pyvista.py and generate_paraview.py make one each). The program
+tools/vtk/probe.rs reads each of them, describes what it read, and writes it back as raw XML, packed XML, legacy, and plain and packed VTKHDF. For each file VTK's own reading of the original is
 compared with the description and with VTK's reading of what was written: kind, geometry, every array's type, class,
 names, values and role, bit for bit. Pieces of parallel files become one data set without seams here and not in VTK: they are
-compared cell by cell, corner by corner. Steps and blocks within a VTKHDF file are compared one by one. Lists (.vtm, .pvd) go through `morsmooth convert` and are compared block by block.
+compared cell by cell, corner by corner, without ghost cells. Steps and blocks within a VTKHDF file are compared one by one. Lists (.vtm, .pvd, .vtpd) go through `morsmooth convert` and are
+compared block by block; tables are compared column by column with NumPy.
 Exit code 1 if anything is wrong or refused. Needs the packages vtk and numpy, and cargo.
 """
 
@@ -35,9 +36,30 @@ READERS = {
     "pvtu": vtk.vtkXMLPUnstructuredGridReader,
     "pvti": vtk.vtkXMLPImageDataReader,
     "pvtp": vtk.vtkXMLPPolyDataReader,
+    "pvtr": vtk.vtkXMLPRectilinearGridReader,
+    "pvts": vtk.vtkXMLPStructuredGridReader,
+    "ply": vtk.vtkPLYReader,
+    "stl": vtk.vtkSTLReader,
+    "obj": vtk.vtkOBJReader,
     "vtkhdf": vtk.vtkHDFReader,
 }
+EXTENSIONS = {"PolyData": "vtp", "UnstructuredGrid": "vtu", "ImageData": "vti", "RectilinearGrid": "vtr", "StructuredGrid": "vts"}
+LISTS = (".vtm", ".pvd", ".vtpd")
+TABLES = (".csv", ".tsv")
+MESHES = (".ply", ".stl", ".obj")
 ROLES = ["Scalars", "Vectors", "Normals", "TCoords", "Tensors", "GlobalIds", "PedigreeIds"]
+
+
+class Unreadable(Exception):
+    """VTK itself says that it cannot read a file."""
+
+
+def resolved(path):
+    """The file itself, for a list of one file."""
+    if not path.endswith(".pvd"):
+        return path
+    (entry,) = ElementTree.parse(path).getroot().find("Collection").findall("DataSet")
+    return os.path.join(os.path.dirname(path), entry.get("file"))
 
 
 def read(path):
@@ -46,7 +68,11 @@ def read(path):
     if path.endswith(".vtk"):
         for switch in ("Scalars", "Vectors", "Fields", "Tensors", "Normals", "TCoords"):
             getattr(reader, f"ReadAll{switch}On")()
+    errors = []
+    reader.AddObserver("ErrorEvent", lambda *_: errors.append(path))
     reader.Update()
+    if errors:
+        raise Unreadable(path)
     return together(reader.GetOutputDataObject(0))
 
 
@@ -206,8 +232,24 @@ def corners(description):
     return found
 
 
+def without_ghosts(dataset):
+    """What VTK read of a parallel file without the cells that another piece has too, and without the marks on them."""
+    if dataset.IsA("vtkPolyData") or dataset.IsA("vtkUnstructuredGrid"):
+        dataset.RemoveGhostCells()
+    for data in (dataset.GetPointData(), dataset.GetCellData()):
+        data.RemoveArray("vtkGhostType")
+    return dataset
+
+
+def unmarked(description):
+    """The same of what was read here."""
+    drop = lambda part: {name: array for name, array in description[part].items() if name != "vtkGhostType"}
+    return {**description, "point": drop("point"), "cell": drop("cell")}
+
+
 def seamless(description):
-    """A description for comparisons in which the numbers of points do not count."""
+    """A description for comparisons in which the numbers of points do not count, nor normals, which differ at seams."""
+    description = {**description, "point": {name: array for name, array in description["point"].items() if name != "Normals"}}
     result = {key: description[key] for key in ("type", "cell", "field", "types") if key in description}
     result["corners"] = corners(description)
     return result
@@ -219,6 +261,12 @@ def blocks(path):
         entries = ElementTree.parse(path).getroot().find("Collection").findall("DataSet")
         files = [os.path.join(os.path.dirname(path), entry.get("file")) for entry in entries]
         return {entry.get("timestep"): describe(read(file)) for entry, file in zip(entries, files)}
+    if path.endswith(".vtpd"):
+        reader = vtk.vtkXMLPartitionedDataSetReader()
+        reader.SetFileName(path)
+        reader.Update()
+        whole = reader.GetOutput()
+        return {str(place): describe(whole.GetPartition(place)) for place in range(whole.GetNumberOfPartitions())}
     reader = vtk.vtkXMLMultiBlockDataReader()
     reader.SetFileName(path)
     reader.Update()
@@ -235,6 +283,20 @@ def blocks(path):
 
     walk(reader.GetOutput(), ())
     return found
+
+
+def table_faults(path, found):
+    """Columns of a table of numbers that were not read as they stand; the column along which it lies is x."""
+    rows = np.genfromtxt(path, delimiter="," if path.endswith(".csv") else "\t", names=True, deletechars="", replace_space=" ")
+    read_back = {name: array["v"] for name, array in found["point"].items()}
+    along = found["field"].get("table_along", {"v": [None]})["v"][0]
+    read_back[along] = found["points"]["v"][::3]
+    names = [name.strip('"') for name in rows.dtype.names]
+    if [name for name in read_back if name is not None and name not in names]:
+        yield f": columns {sorted(read_back)} instead of {sorted(names)}"
+    for name, column in zip(names, rows.dtype.names):
+        if read_back.get(name) != rows[column].tolist():
+            yield f"/{name}: {str(read_back.get(name))[:60]} instead of {str(rows[column].tolist())[:60]}"
 
 
 def probe(*words):
@@ -281,7 +343,8 @@ def list_is_wrong(path, out):
     """Whether a list differs after `morsmooth convert`."""
     copy = os.path.join(out, "copy_" + os.path.basename(path))
     command = ["cargo", "run", "-q", "--release", "--bin", "morsmooth", "--", "convert", path, copy, "-q"]
-    subprocess.run(command, cwd=os.path.join(HERE, "../.."), check=True)
+    if subprocess.run(command, cwd=os.path.join(HERE, "../..")).returncode:
+        return True
     wrong = list(differences(blocks(path), blocks(copy)))
     for one in wrong[:5]:
         print(f"list     {os.path.basename(path)}{one}")
@@ -295,7 +358,7 @@ def main():
     counts = {"reading": collections.Counter(), "writing": collections.Counter()}
     for line in listing.splitlines():
         status, name, *message = line.split("\t")
-        if status == "refused" and name.endswith((".vtm", ".pvd")):
+        if status == "refused" and name.endswith(LISTS):
             counts["reading"]["list wrong" if list_is_wrong(os.path.join(files, name), out) else "list ok"] += 1
             continue
         if status == "refused" and name.endswith(".vtkhdf") and "a collection of" in "".join(message):
@@ -305,14 +368,34 @@ def main():
             counts["reading"][status] += 1
             print(f"{status:8} {name}: {' '.join(message)}")
             continue
-        original = read(os.path.join(files, name))
-        expected, more = describe(original), extras(original)
+        path = os.path.join(files, name)
         found = json.load(open(os.path.join(out, "json", name + ".json")))
-        is_parallel = name.endswith((".pvtu", ".pvtp")) or name.startswith("parts")
+        if name.endswith(TABLES):
+            wrong = [f"wrong    {name}{one}" for one in table_faults(path, found)]
+            counts["reading"]["table wrong" if wrong else "table ok"] += 1
+            print(*wrong, sep="\n", end="\n" * bool(wrong))
+            continue
+        try:
+            path = resolved(path)
+            original = read(path)
+        except Unreadable:
+            counts["reading"]["VTK cannot"] += 1
+            continue
+        is_parallel = path.endswith((".pvtu", ".pvtp")) or name.startswith("parts")
+        is_whole = path.endswith((".pvti", ".pvtr", ".pvts", ".pvtu", ".pvtp"))
+        if is_whole:
+            original = without_ghosts(original)
+        expected, more = describe(original), extras(original)
         if is_parallel:
-            wrong = list(differences(seamless(expected), seamless(found)))
+            wrong = list(differences(seamless(expected), seamless(unmarked(found))))
         else:
-            wrong = list(differences(expected, found))
+            wrong = list(differences(expected, unmarked(found) if is_whole else found))
+        # VTK 9.7 does not read the axes of the pieces of a parallel image, and 9.2 does not write them into the list.
+        wrong = [one for one in wrong if not (name.endswith(".pvti") and one.startswith("/dir:"))]
+        # VTK 9.7 loses a cell without points that stands alone in a legacy file.
+        wrong = [one for one in wrong if name != "cell_Empty.vtk"]
+        # The places and cells of a .obj file are read, and no more.
+        wrong = [one for one in wrong if not (name.endswith(".obj") and one.startswith(("/cell/", "/point/")))]
         # VTK's parser drops the sign of -inf in XML ascii; the file says -inf.
         wrong = [one for one in wrong if not (name.startswith("nan__ascii") and "nanf" in one)]
         # VTK 9.7 puts strips before polygons when it joins the cell arrays of pieces, but not when it joins the cells.
@@ -321,8 +404,7 @@ def main():
         for one in wrong:
             print(f"wrong    {name}{one}")
         for form in ("raw", "zlib", "legacy", "hdf", "hdf_zlib"):
-            native = {"PolyData": "vtp", "UnstructuredGrid": "vtu", "ImageData": "vti", "RectilinearGrid": "vtr"}
-            extension = {"legacy": "vtk", "hdf": "vtkhdf", "hdf_zlib": "vtkhdf"}.get(form, native.get(expected["type"], "vts"))
+            extension = {"legacy": "vtk", "hdf": "vtkhdf", "hdf_zlib": "vtkhdf"}.get(form, EXTENSIONS[expected["type"]])
             path = os.path.join(out, form, f"{name}.{extension}")
             if not os.path.exists(path):
                 counts["writing"][f"{form} not written"] += 1
@@ -335,7 +417,8 @@ def main():
             if form.startswith("hdf"):
                 want = hdf_form(want)
                 more_want, more_got = hdf_extras(more_want), hdf_extras(more_got)
-            wrong = list(differences(want, got)) + ([] if is_parallel else list(differences(more_want, more_got)))
+            is_changed = is_parallel or is_whole or name.endswith(MESHES)
+            wrong = list(differences(want, got)) + ([] if is_changed else list(differences(more_want, more_got)))
             counts["writing"][f"{form} {'wrong' if wrong else 'ok'}"] += 1
             for one in wrong[:5]:
                 print(f"{form:8} {name}{one}")

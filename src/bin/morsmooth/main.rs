@@ -8,6 +8,7 @@ mod fields;
 mod files;
 mod functions;
 mod shapes;
+mod stop;
 
 use std::process::ExitCode;
 
@@ -16,7 +17,7 @@ use clap::Parser;
 use args::{Cli, Command};
 use failure::Failure;
 
-/// How a run ended: 0 done and audited, 1 finished but the guarantee was not met, 2 usage or input.
+/// How a run ended: 0 done and audited, 1 finished but the guarantee was not met, 2 usage or input; 130 and 143 if it was told to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Outcome {
     Done,
@@ -44,6 +45,7 @@ fn main() -> ExitCode {
 }
 
 fn run(command: &Command) -> Result<Outcome, Failure> {
+    stop::tidy_when_told_to_stop()?;
     let threads = match command {
         Command::Animate(args) => args.talk.threads,
         Command::Deform(args) => args.talk.threads,

@@ -137,7 +137,8 @@ impl Scan<'_> {
 
 fn cells(record: &ByteRecord, line: usize) -> Result<Vec<String>, Fault> {
     let cell = |(number, bytes): (usize, &[u8])| match std::str::from_utf8(bytes) {
-        Ok(text) => Ok(text.trim().to_owned()),
+        // A byte order mark within a text stands for nothing, and would be lost at the start of a file.
+        Ok(text) => Ok(text.trim_matches(|letter: char| letter.is_whitespace() || letter == '\u{feff}').to_owned()),
         Err(_) => {
             let found = quoted(&String::from_utf8_lossy(bytes));
             Err(Fault::new(Place::Cell { line, column: number + 1 }, found, "text in UTF-8"))
@@ -167,7 +168,12 @@ pub(super) fn write(table: &Table, mut out: impl Write) -> std::io::Result<()> {
         Ok(())
     };
     let line = |cells: &[String]| -> std::io::Result<Vec<u8>> {
-        let mut writer = WriterBuilder::new().delimiter(table.delimiter).quote_style(QuoteStyle::Necessary).from_writer(Vec::new());
+        // Quotes keep a cell that begins as a comment does from becoming one.
+        let mut writer = WriterBuilder::new()
+            .delimiter(table.delimiter)
+            .quote_style(QuoteStyle::Necessary)
+            .comment(Some(b'#'))
+            .from_writer(Vec::new());
         writer.write_record(cells)?;
         writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))
     };

@@ -15,9 +15,12 @@ use super::parts::{kind, poly_data};
 use super::shapes::Shapes;
 
 /// Properties that make one array of several components, and its name in VTK.
-const GROUPS: [(&str, &[&str]); 4] = [
+const GROUPS: [(&str, &[&str]); 7] = [
     ("Points", &["x", "y", "z"]),
     ("Normals", &["nx", "ny", "nz"]),
+    ("TCoords", &["u", "v"]),
+    ("TCoords", &["s", "t"]),
+    ("TCoords", &["texture_u", "texture_v"]),
     ("RGBA", &["red", "green", "blue", "alpha"]),
     ("RGB", &["red", "green", "blue"]),
 ];

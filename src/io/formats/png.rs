@@ -3,7 +3,7 @@
 use std::io::{BufWriter, Cursor, Write};
 
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageReader};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader};
 
 use crate::io::array::{ArrayData, DataArray};
 use crate::io::dataset::{DataSet, Extent, Geometry, Role};
@@ -13,10 +13,20 @@ use crate::io::write::Objection;
 /// Name of the array of pixels, as VTK's own reader has it.
 const NAME: &str = "PNGImage";
 
+/// How many bytes of pixels a byte of the file can stand for at the most.
+const MOST_EXPANSION: u64 = 1_040;
+
 /// Reads an image; a point a pixel, 1 to 4 components of 8 bits. Deeper channels are rounded to 8 bits.
 pub(super) fn read(bytes: &[u8]) -> Result<DataSet, Fault> {
     let told = |error: image::ImageError| Fault::new(Place::File, error.to_string(), "a PNG image");
-    let decoded = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png).decode().map_err(told)?;
+    let decoder = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png).into_decoder().map_err(told)?;
+    let (width, height) = decoder.dimensions();
+    let bits = u64::from(width).saturating_mul(height.into()).saturating_mul(decoder.original_color_type().bits_per_pixel().into());
+    if bits / 8 > MOST_EXPANSION.saturating_mul(bytes.len() as u64) {
+        let found = format!("an image of {width} x {height} pixels in {} bytes", bytes.len());
+        return Err(Fault::new(Place::File, found, "no more than the compressor can pack"));
+    }
+    let decoded = DynamicImage::from_decoder(decoder).map_err(told)?;
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);
     let (components, pixels) = match (decoded.color().has_color(), decoded.color().has_alpha()) {
         (false, false) => (1, decoded.into_luma8().into_raw()),

@@ -4,7 +4,7 @@ use crate::io::array::{ArrayData, DataArray};
 use crate::io::dataset::{Attributes, Role};
 use crate::io::error::{Fault, quoted};
 
-use crate::io::lexer::Lexer;
+use crate::io::lexer::{Lexer, decoded};
 use super::metadata;
 use super::values::{LegacyType, values, words};
 
@@ -41,11 +41,12 @@ pub(super) fn field(lexer: &mut Lexer<'_>, tuples: Option<usize>) -> Result<Vec<
     let count: usize = lexer.number("the number of arrays")?;
     let mut arrays = Vec::new();
     for _ in 0..count {
-        let name = lexer.name()?;
+        let word = lexer.text("a name")?;
         // VTK writes this in the place of an array that it could not write.
-        if name == "NULL_ARRAY" {
+        if word == "NULL_ARRAY" {
             continue;
         }
+        let name = decoded(word);
         let components = lexer.number("the number of components")?;
         let own: usize = lexer.number("the number of tuples")?;
         if let Some(expected) = tuples.filter(|&expected| expected != own) {

@@ -2,6 +2,7 @@
 
 mod attributes;
 mod metadata;
+mod order;
 mod read;
 mod values;
 mod write;

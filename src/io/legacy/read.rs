@@ -6,6 +6,7 @@ use crate::io::dataset::{Attributes, CellArray, DataSet, Extent, Geometry, Index
 use crate::io::error::{Fault, Place, quoted};
 
 use super::attributes::{array, attribute, field};
+use super::order::{POINTS_MOVED, has_moved_points};
 use crate::io::lexer::Lexer;
 use super::values::{LegacyType, integers};
 
@@ -41,10 +42,9 @@ enum Section {
 pub(in crate::io) fn read(bytes: &[u8]) -> Result<DataSet, Fault> {
     let mut lexer = Lexer::new(bytes);
     let version = lexer.line();
-    lexer.major = version
-        .strip_prefix(b"# vtk DataFile Version ")
-        .and_then(|version| version.trim_ascii_start().first())
-        .map_or(1, |digit| u32::from(digit.wrapping_sub(b'0')));
+    let version = version.strip_prefix(b"# vtk DataFile Version ").unwrap_or_default().trim_ascii();
+    lexer.major = version.first().map_or(1, |digit| u32::from(digit.wrapping_sub(b'0')));
+    let is_late = lexer.major > 5 || (lexer.major == 5 && version != b"5.0");
     let title = String::from_utf8_lossy(lexer.line()).into_owned();
     match lexer.text("ASCII or BINARY")?.to_ascii_uppercase().as_str() {
         "ASCII" => {}
@@ -70,6 +70,9 @@ pub(in crate::io) fn read(bytes: &[u8]) -> Result<DataSet, Fault> {
     }
     let mut dataset = parts.dataset(&kind).map_err(|fault| fault.or_at(lexer.place()))?;
     dataset.title = title;
+    if is_late && has_moved_points(&dataset.geometry) {
+        dataset.version = Some(POINTS_MOVED);
+    }
     Ok(dataset)
 }
 
@@ -296,9 +299,9 @@ fn unstructured(points: DataArray, cells: CellArray, types: Vec<u8>) -> Result<G
             faces.push(face.iter().copied());
             corners.extend_from_slice(face);
         }
-        // In order of first appearance, as VTK lists them.
-        let mut seen = std::collections::HashSet::new();
-        corners.retain(|&corner| seen.insert(corner));
+        // By number, as VTK lists them.
+        corners.sort_unstable();
+        corners.dedup();
         plain.push(corners);
         polyhedra.push(first..faces.len() as i64);
     }

@@ -1,4 +1,5 @@
-//! Writes legacy files, binary: version 4.2, which every VTK reads, or 5.1 where 32 bits do not count far enough.
+//! Writes legacy files, binary: version 4.2, which every VTK reads, or 5.1 where 32 bits do not count far enough, or where the
+//! points of higher-order cells are in its order.
 
 use std::io::{self, Write};
 
@@ -7,12 +8,17 @@ use crate::io::bytes::{ByteOrder, Element, pack_bits};
 use crate::io::dataset::{Attributes, CellArray, DataSet, Geometry, Role};
 use crate::io::write::Objection;
 
+use super::order::{POINTS_MOVED, has_moved_points};
 use crate::io::lexer::encoded;
 
 const POLYHEDRON: u8 = 42;
 
 /// Refuses what the format would lose.
 pub(in crate::io) fn check(dataset: &DataSet) -> Result<(), Objection> {
+    let arrays = dataset.point_data.arrays.iter().chain(&dataset.cell_data.arrays).chain(&dataset.field_data);
+    if arrays.into_iter().any(|array| array.name.is_empty()) {
+        return Err(("an array without a name, which .vtk files cannot hold".into(), "a name for every array".into()));
+    }
     match &dataset.geometry {
         Geometry::ImageData { direction, .. } if *direction != [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0] => {
             Err(("an image with rotated axes, which .vtk files cannot hold".into(), "a name ending in .vti".into()))
@@ -24,7 +30,8 @@ pub(in crate::io) fn check(dataset: &DataSet) -> Result<(), Objection> {
 /// Writes a data set that the checks accept.
 pub(in crate::io) fn write(dataset: &DataSet, file: &mut impl Write) -> io::Result<()> {
     let wide = longest_list(&dataset.geometry).saturating_add(dataset.cell_count()) > i32::MAX as usize
-        || dataset.point_count() > i32::MAX as usize;
+        || dataset.point_count() > i32::MAX as usize
+        || (has_moved_points(&dataset.geometry) && dataset.version >= Some(POINTS_MOVED));
     write_version(dataset, wide, file)
 }
 
@@ -186,11 +193,18 @@ fn role_keyword(role: Role, array: &DataArray) -> Option<String> {
 fn field(arrays: &[&DataArray], file: &mut impl Write) -> io::Result<()> {
     writeln!(file, "FIELD FieldData {}", arrays.len())?;
     for array in arrays {
-        let name = encoded(array.name.as_bytes());
+        let name = field_name(&array.name);
         writeln!(file, "{name} {} {} {}", array.components, array.tuples(), type_name(array))?;
         values(array, file)?;
     }
     Ok(())
+}
+
+/// A name within `FIELD`, where some words are not names; their first character is written as its number.
+fn field_name(name: &str) -> String {
+    let word = encoded(name.as_bytes());
+    let is_taken = ["METADATA", "NULL_ARRAY"].iter().any(|taken| word.eq_ignore_ascii_case(taken));
+    if is_taken { format!("%{:02X}{}", word.as_bytes()[0], &word[1..]) } else { word }
 }
 
 /// VTK's names. Indices that need more than the 32 bits that the format gives them are written as other integers.

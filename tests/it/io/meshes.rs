@@ -157,6 +157,23 @@ fn ply_files_keep_types_and_groups() {
 }
 
 #[test]
+fn texture_coordinates_of_a_ply_file_are_one_array_whatever_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    for (first, second) in [("u", "v"), ("s", "t"), ("texture_u", "texture_v")] {
+        let source = format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float {first}\n\
+             property float {second}\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+             0 0 0 0.5 1\n1 0 0 0.25 0\n0 1 0 1 0\n3 0 1 2\n"
+        );
+        let dataset = text(&folder, "a.ply", &source).unwrap();
+        let array = dataset.point_array("TCoords").unwrap();
+        assert_eq!((array.components, &array.data), (2, &ArrayData::F32(vec![0.5, 1.0, 0.25, 0.0, 1.0, 0.0])));
+        write(folder.path().join("b.ply"), &dataset).unwrap();
+        assert_eq!(read(folder.path().join("b.ply")).unwrap().point_data, dataset.point_data);
+    }
+}
+
+#[test]
 fn what_a_format_holds_survives_it_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let back = |dataset: &DataSet, name: &str| {

@@ -4,6 +4,7 @@ mod arrays;
 mod collections;
 mod damage;
 mod domains;
+mod fuzzed;
 mod handles;
 #[cfg(feature = "vtkhdf")]
 mod hdf;
@@ -19,6 +20,7 @@ mod replacing;
 mod roundtrip;
 mod speed;
 mod tables;
+mod versions;
 
 use std::path::{Path, PathBuf};
 

@@ -103,6 +103,47 @@ fn pieces_of_different_states_are_refused() {
     );
 }
 
+/// ParaView computes the normals of a contour in each piece from the triangles that it has.
+#[test]
+fn normals_may_differ_at_a_seam() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, corner, normal) in [("one.vtp", 0.0, "0 0 1"), ("two.vtp", 5.0, "0 0.6 0.8")] {
+        let normals = [normal; 3].join(" ");
+        let text = format!(
+            "<VTKFile type=\"PolyData\" version=\"1.0\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\">\
+             <PointData Normals=\"Normals\"><DataArray type=\"Float32\" Name=\"Normals\" NumberOfComponents=\"3\">{normals}</DataArray></PointData>\
+             <Points><DataArray type=\"Float32\" NumberOfComponents=\"3\">0 0 0 1 0 0 {corner} 1 0</DataArray></Points>\
+             <Polys><DataArray type=\"Int64\" Name=\"connectivity\">0 1 2</DataArray>\
+             <DataArray type=\"Int64\" Name=\"offsets\">3</DataArray></Polys></Piece></PolyData></VTKFile>"
+        );
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let index = "<VTKFile type=\"PPolyData\" version=\"1.0\"><PPolyData><Piece Source=\"one.vtp\"/><Piece Source=\"two.vtp\"/></PPolyData></VTKFile>";
+    std::fs::write(folder.path().join("a.pvtp"), index).unwrap();
+    let dataset = read(folder.path().join("a.pvtp")).unwrap();
+    assert_eq!((dataset.point_count(), dataset.cell_count()), (4, 2));
+    let normals = dataset.point_array("Normals").unwrap();
+    assert_eq!((normals.to_f64(1)[..2].to_vec(), normals.to_f64(2)[3]), (vec![0.0; 2], f64::from(0.8f32)));
+}
+
+/// Two pieces of one row of five points that overlap by a cell, each marking the other's as a copy.
+#[test]
+fn nothing_of_a_joined_grid_is_a_copy() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, extent, marks) in [("one.vti", "0 3 0 0 0 0", "0 0 1"), ("two.vti", "2 4 0 0 0 0", "1 0")] {
+        let text = format!(
+            "<VTKFile type=\"ImageData\" version=\"1.0\"><ImageData WholeExtent=\"{extent}\"><Piece Extent=\"{extent}\"><CellData>\
+             <DataArray type=\"UInt8\" Name=\"vtkGhostType\">{marks}</DataArray></CellData></Piece></ImageData></VTKFile>"
+        );
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let index = "<VTKFile type=\"PImageData\" version=\"1.0\"><PImageData WholeExtent=\"0 4 0 0 0 0\" GhostLevel=\"1\">\
+                 <Piece Extent=\"0 3 0 0 0 0\" Source=\"one.vti\"/><Piece Extent=\"2 4 0 0 0 0\" Source=\"two.vti\"/></PImageData></VTKFile>";
+    std::fs::write(folder.path().join("a.pvti"), index).unwrap();
+    let dataset = read(folder.path().join("a.pvti")).unwrap();
+    assert_eq!((dataset.point_count(), dataset.cell_array("vtkGhostType").unwrap().to_f64(0)), (5, vec![0.0; 4]));
+}
+
 #[test]
 fn a_collection_of_several_is_no_data_set() {
     let folder = tempfile::tempdir().unwrap();

@@ -22,6 +22,8 @@ mod queries;
 mod series;
 mod simplify;
 mod steps;
+#[cfg(unix)]
+mod stop;
 mod unusual;
 mod weights;
 

@@ -1,9 +1,10 @@
 #![no_main]
-//! Any bytes as a mesh, a table or an image: the first byte chooses the format.
+//! Any bytes as a mesh, a table, an image or an array: the first byte chooses the format.
 
 mod common;
 
-const EXTENSIONS: [&str; 8] = ["obj", "off", "ply", "stl", "mesh", "msh", "csv", "png"];
+/// As in seeds.py.
+const EXTENSIONS: [&str; 10] = ["obj", "off", "ply", "stl", "mesh", "msh", "csv", "png", "npy", "tsv"];
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if let Some((first, rest)) = bytes.split_first() {

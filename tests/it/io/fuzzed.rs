@@ -1,0 +1,123 @@
+//! What the fuzz targets under tools/fuzz found, each as small as it became.
+
+use morsmooth::io::{ArrayData, DataArray, DataSet, Extent, Geometry, InformationKey, InformationValue, read, write};
+
+use super::read_text;
+
+/// Three points in a row.
+fn row() -> DataSet {
+    let direction = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    DataSet::new(Geometry::ImageData { extent: Extent([0, 2, 0, 0, 0, 0]), origin: [0.0; 3], spacing: [1.0; 3], direction })
+}
+
+fn named(name: &str) -> DataArray {
+    DataArray::new(name, 1, ArrayData::I16(vec![7, 8, 9]))
+}
+
+/// XML may leave a name empty; the words of a legacy file would slip.
+#[test]
+fn an_array_without_a_name_is_not_written_as_legacy() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 2 0 0 0 0\"><Piece Extent=\"0 2 0 0 0 0\"><PointData>\
+                <DataArray type=\"Int16\" Name=\"\">7 8 9</DataArray></PointData></Piece></ImageData></VTKFile>";
+    let dataset = read_text(&folder, "a.vti", text.as_bytes()).unwrap();
+    write(folder.path().join("b.vti"), &dataset).unwrap();
+    assert_eq!(read(folder.path().join("b.vti")).unwrap().point_data, dataset.point_data);
+    let error = write(folder.path().join("b.vtk"), &dataset).unwrap_err().to_string();
+    assert!(error.ends_with("found an array without a name, which .vtk files cannot hold; expected a name for every array"), "{error}");
+    assert!(!folder.path().join("b.vtk").exists());
+}
+
+#[test]
+fn names_that_are_words_of_the_legacy_format_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut dataset = row();
+    for name in ["METADATA", "metadata", "NULL_ARRAY", "FIELD", "LOOKUP_TABLE", "100%"] {
+        dataset.set_point_array(named(name));
+    }
+    write(folder.path().join("a.vtk"), &dataset).unwrap();
+    assert_eq!(read(folder.path().join("a.vtk")).unwrap().point_data, dataset.point_data);
+}
+
+/// A legacy file may code any byte in what is said about an array; XML can hold only some.
+#[test]
+fn control_characters_in_information_keys_are_not_written_as_xml() {
+    let folder = tempfile::tempdir().unwrap();
+    let key = |name: &str, location: &str, value: InformationValue| {
+        let mut dataset = row();
+        let keys = vec![InformationKey { name: name.into(), location: location.into(), value }];
+        dataset.set_point_array(DataArray { information: keys, ..named("h") });
+        write(folder.path().join("a.vti"), &dataset).map_err(|error| error.to_string())
+    };
+    let single = |text: &str| InformationValue::Single(text.into());
+    assert!(key("k", "l", single("v")).is_ok());
+    for refused in [
+        key("k\u{1e}", "l", single("v")),
+        key("k", "\u{1}", single("v")),
+        key("k", "l", single("\u{b}")),
+        key("k", "l", InformationValue::List(vec!["v".into(), "\u{ffff}".into()])),
+    ] {
+        let error = refused.unwrap_err();
+        assert!(error.contains("found a control character in the name") && error.ends_with("expected a name that XML can hold"), "{error}");
+    }
+}
+
+/// The name of its first column made a table look like XML when it was read back.
+#[test]
+fn a_table_may_begin_with_a_bracket() {
+    let folder = tempfile::tempdir().unwrap();
+    let dataset = read_text(&folder, "a.csv", b"# text\n<a,b\n1,2\n2,5\n").unwrap();
+    write(folder.path().join("b.csv"), &dataset).unwrap();
+    let again = read(folder.path().join("b.csv")).unwrap();
+    assert_eq!(again.point_data, dataset.point_data);
+    // Files of VTK are still told by their content, whatever they are called.
+    write(folder.path().join("c.vtp"), &dataset).unwrap();
+    std::fs::rename(folder.path().join("c.vtp"), folder.path().join("c.csv")).unwrap();
+    assert_eq!(read(folder.path().join("c.csv")).unwrap().geometry, dataset.geometry);
+}
+
+/// Without its quotes, a row that begins with # was a comment when the table was read again, and so no longer a row.
+#[test]
+fn a_cell_that_begins_as_a_comment_stays_a_cell() {
+    let folder = tempfile::tempdir().unwrap();
+    for source in ["\"#", "\"#\"\n1\n", "name,h\n\"#1\",5\na,6\n\"#2\",7\n", "\"#a\"\tb\n1\t2\n"] {
+        let dataset = read_text(&folder, "a.csv", source.as_bytes()).unwrap();
+        write(folder.path().join("b.csv"), &dataset).unwrap();
+        let again = read(folder.path().join("b.csv")).unwrap();
+        assert_eq!((again.point_count(), &again.point_data), (dataset.point_count(), &dataset.point_data), "{source:?}");
+    }
+}
+
+#[test]
+fn a_byte_order_mark_is_no_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let dataset = read_text(&folder, "a.csv", "# above\n\u{feff}\n".as_bytes()).unwrap();
+    write(folder.path().join("b.csv"), &dataset).unwrap();
+    assert!(read(folder.path().join("b.csv")).is_ok());
+    let dataset = read_text(&folder, "a.csv", "# above\n\u{feff}t,h\n0,1\n1,2\n".as_bytes()).unwrap();
+    assert!(dataset.point_array("h").is_some() && dataset.field_data.iter().any(|array| array.to_texts()[0] == "t"));
+}
+
+/// A head that declares 34,604,034 x 2 pixels and an inch of data.
+#[test]
+fn an_image_larger_than_its_file_can_hold_is_refused_before_memory_is_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = [0, 0, 0, 13, b'I', b'H', b'D', b'R', 2, 16, 4, 2, 0, 0, 0, 2, 16, 4, 0, 0, 0];
+    let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
+    bytes.extend(head);
+    bytes.extend(checksum(&head[4..]).to_be_bytes());
+    bytes.extend([0, 0, 0, 3, b'I', b'D', b'A', b'T', 120, 156, 99]);
+    bytes.extend(checksum(b"IDAT\x78\x9c\x63").to_be_bytes());
+    bytes.extend([0, 0, 0, 0, b'I', b'E', b'N', b'D', 0xae, 0x42, 0x60, 0x82]);
+    let error = read_text(&folder, "a.png", &bytes).unwrap_err().to_string();
+    let expected = format!("found an image of 34604034 x 2 pixels in {} bytes; expected no more than the compressor can pack", bytes.len());
+    assert!(error.ends_with(&expected), "{error}");
+}
+
+/// CRC-32, as PNG has it.
+fn checksum(bytes: &[u8]) -> u32 {
+    let step = |state: u32, &byte: &u8| {
+        (0..8).fold(state ^ u32::from(byte), |state, _| (state >> 1) ^ if state & 1 == 1 { 0xedb8_8320 } else { 0 })
+    };
+    !bytes.iter().fold(!0, step)
+}
