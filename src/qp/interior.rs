@@ -101,6 +101,8 @@ pub(super) struct Interior<'a> {
     pub work: Vec<f64>,
     /// x, z and gap of the first iterate near the solution.
     rough: Option<(Vec<f64>, Vec<f64>, f64)>,
+    /// The first solve with the present factor needed no refinement.
+    pub is_exact: bool,
     pub solves: usize,
     /// Factorisations of other matrices on behalf of this solve.
     pub elsewhere: usize,
@@ -207,6 +209,7 @@ impl Engine {
             step: Triple::zeros(n, m),
             trial: Triple::zeros(n, m),
             rough: None,
+            is_exact: false,
             solves: 0,
             elsewhere: 0,
             timings: Timings::default(),

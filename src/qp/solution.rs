@@ -12,7 +12,7 @@ pub struct Settings {
     pub residual: f64,
     /// Interior-point iterations before [`QpStatus::IterationLimit`]; each has one numeric factorisation.
     pub max_iterations: usize,
-    /// Most centrality correctors (Gondzio 1996) in an iteration; used only where a factorisation costs many solves.
+    /// Most centrality correctors (Gondzio 1996) in an iteration; a third one only where a factorisation costs many solves.
     pub correctors: usize,
     /// Fraction of the way to the boundary of the cone that a step takes, below 1.
     pub step_fraction: f64,

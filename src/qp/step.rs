@@ -6,8 +6,13 @@ use super::QpError;
 use super::interior::{Interior, Triple};
 use super::product::{dot, largest};
 
-/// Most of the centring that a predictor may ask for; a cap saves iterations from a good start (measured).
+/// Most of the centring that a predictor may ask for where there are blocks; a cap saves iterations from a good start (measured).
 const LARGEST_SIGMA: f64 = 0.1;
+
+/// The same where there are rows only. Centrality correctors keep the point near the centre, and a lower aim saves what a larger one would cost
+/// (measured over nine problems of 15,000 and 58,000 unknowns: 96 iterations in all with 0.1, 91 with 0.03, 88 with 0.01; but the hardest one of
+/// 250,000 takes 24, 24 and 29).
+const LARGEST_SIGMA_OF_ROWS: f64 = 0.03;
 
 /// Below this length of the predictor the point is far from the centre, and centring is worth a whole step.
 const BLOCKED: f64 = 0.1;
@@ -18,12 +23,26 @@ const OPEN: f64 = 1e-9;
 /// Correctors that always pay where there are blocks: a quarter of the iterations (measured).
 const BLOCK_CORRECTORS: usize = 2;
 
+/// The same for rows: a fifth to a third of the iterations from 5,000 to 250,000 unknowns (measured).
+const ROW_CORRECTORS: usize = 2;
+
+/// How much longer than the step at hand the one is that a corrector aims at, as a share of the step and of a whole one: for rows and for blocks.
+/// (Measured on rows, six problems of 15,000 unknowns: 79 iterations in all without correctors, 66 with two at 0.08, 61 with two at 0.3, 62 at 0.8.)
+const ASPIRATION: (f64, f64) = (0.3, 0.08);
+
 /// The centre that is aimed at never has a smaller gap than this share of the tolerance: once the gap is closed, the last steps
 /// serve the stationarity, and products of slack and dual near zero would only spoil the matrix.
 const CLOSED: f64 = 0.03;
 
 /// A relative residual of a Newton direction above which a factor in single precision has done its work.
 const POOR: f64 = 1e-6;
+
+/// Most steps of conjugate gradients for a direction.
+const STEPS: usize = 4;
+
+/// Where the first solve with a factor leaves a smaller relative residual, no other one with this factor is measured: the next stationarity
+/// tells of all of them.
+const EXACT: f64 = 1e-8;
 
 impl Interior<'_> {
     /// One iteration, with gaps relative to `unit`; returns the step length, 0 where the point has left the cone by rounding.
@@ -35,6 +54,7 @@ impl Interior<'_> {
         self.engine.reset_values();
         self.rows.add_normal(&self.scaling, &mut self.engine.values);
         self.engine.factor_values()?;
+        self.is_exact = false;
         self.timings.factor += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
 
@@ -52,7 +72,7 @@ impl Interior<'_> {
         }
         let wanted = (after / degree / mu).powi(3);
         let sigma = if self.rows.is_polyhedral() {
-            if reach < BLOCKED { wanted } else { wanted.min(LARGEST_SIGMA) }
+            if reach < BLOCKED { wanted } else { wanted.min(LARGEST_SIGMA_OF_ROWS) }
         } else if largest(&self.primal) > OPEN * self.rows.offset_size.max(largest(&self.point.s)) {
             wanted.max((1.0 - reach).powi(2))
         } else {
@@ -84,8 +104,8 @@ impl Interior<'_> {
             ratio if ratio > 400.0 => 1,
             _ => 0,
         };
-        let correctors = if self.rows.is_polyhedral() { correctors } else { correctors.max(BLOCK_CORRECTORS) };
-        correctors.min(self.settings.correctors)
+        let least = if self.rows.is_polyhedral() { ROW_CORRECTORS } else { BLOCK_CORRECTORS };
+        correctors.max(least).min(self.settings.correctors)
     }
 
     /// The Newton direction for the current residuals and goal.
@@ -118,10 +138,15 @@ impl Interior<'_> {
     fn newton(&mut self) -> Result<(), QpError> {
         // Metrics of blocks lose more digits than weights of rows (measured: 1e-3 stalls at a gap of 3e-8).
         let tolerance = if self.rows.is_polyhedral() { 1e-3 } else { 1e-10 };
+        let steps = if self.is_exact { 1 } else { STEPS };
         let rows = Some((&self.rows, &self.scaling, &mut self.work[..]));
         let (taken, reached) =
-            self.engine.solve_refined(&self.problem.objective, rows, &self.side, &mut self.step.x, (tolerance, 4));
+            self.engine.solve_refined(&self.problem.objective, rows, &self.side, &mut self.step.x, (tolerance, steps));
         self.solves += taken;
+        if self.is_exact {
+            return Ok(());
+        }
+        self.is_exact = self.rows.is_polyhedral() && taken == 1 && reached <= EXACT;
         if reached > POOR && self.engine.escalate() {
             self.engine.reset_values();
             self.rows.add_normal(&self.scaling, &mut self.engine.values);
@@ -142,7 +167,8 @@ impl Interior<'_> {
         if length > 0.95 {
             return Ok(None);
         }
-        let wanted = (1.08 * length + 0.08).min(1.0);
+        let more = if self.rows.is_polyhedral() { ASPIRATION.0 } else { ASPIRATION.1 };
+        let wanted = ((1.0 + more) * length + more).min(1.0);
         self.scaling.recentred(&self.rows, (centre, wanted), (&self.point, &self.step), &mut self.goal);
         self.side.fill(0.0);
         self.rows.add_transposed(1.0, &self.goal, &mut self.side);
