@@ -4,6 +4,7 @@
 use std::io::{self, Write};
 
 use crate::io::array::{ArrayData, DataArray, InformationValue};
+use crate::io::cells::is_face_run;
 use crate::io::bytes::{ByteOrder, Element, pack_bits};
 use crate::io::dataset::{Attributes, CellArray, DataSet, Geometry, Role};
 use crate::io::write::Objection;
@@ -22,6 +23,14 @@ pub(in crate::io) fn check(dataset: &DataSet) -> Result<(), Objection> {
     match &dataset.geometry {
         Geometry::ImageData { direction, .. } if *direction != [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0] => {
             Err(("an image with rotated axes, which .vtk files cannot hold".into(), "a name ending in .vti".into()))
+        }
+        Geometry::UnstructuredGrid { points, types, polyhedra, .. } if types.contains(&POLYHEDRON) => {
+            let runs = polyhedra.as_ref().map(|polyhedra| polyhedra.runs()).unwrap_or_default();
+            let is_broken = |cell: &usize| types[*cell] == POLYHEDRON && !runs.get(*cell).is_some_and(|run| is_face_run(run, points.tuples()));
+            match (0..types.len()).find(is_broken) {
+                Some(cell) => Err((format!("cell {cell}, a polyhedron without whole faces"), "faces for every polyhedron in a .vtk file".into())),
+                None => Ok(()),
+            }
         }
         _ => Ok(()),
     }
