@@ -121,3 +121,27 @@ fn checksum(bytes: &[u8]) -> u32 {
     };
     !bytes.iter().fold(!0, step)
 }
+
+/// A polyhedron may stand in a file without its faces; a legacy file of it would not be read again.
+#[test]
+fn a_polyhedron_without_whole_faces_is_not_written_as_legacy() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\
+                <Points><DataArray type=\"Float32\" NumberOfComponents=\"3\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>\
+                <Cells><DataArray type=\"Int32\" Name=\"connectivity\">0 1 2 3</DataArray>\
+                <DataArray type=\"Int32\" Name=\"offsets\">4</DataArray><DataArray type=\"UInt8\" Name=\"types\">42</DataArray>FACES\
+                </Cells></Piece></UnstructuredGrid></VTKFile>";
+    let read_with = |faces: &str| read_text(&folder, "a.vtu", text.replace("FACES", faces).as_bytes()).unwrap();
+    let faces = |faces: &str, offset: i32| {
+        format!("<DataArray type=\"Int32\" Name=\"faces\">{faces}</DataArray><DataArray type=\"Int32\" Name=\"faceoffsets\">{offset}</DataArray>")
+    };
+    let to = folder.path().join("b.vtk");
+    write(&to, &read_with(&faces("4 3 0 1 2 3 0 1 3 3 0 2 3 3 1 2 3", 17))).unwrap();
+    assert_eq!(read(&to).unwrap().cell_count(), 1);
+    std::fs::remove_file(&to).unwrap();
+    for broken in [String::new(), faces("4 3 0 1 2", -1)] {
+        let error = write(&to, &read_with(&broken)).unwrap_err().to_string();
+        assert!(error.ends_with("found cell 0, a polyhedron without whole faces; expected faces for every polyhedron in a .vtk file"), "{error}");
+        assert!(!to.exists());
+    }
+}
