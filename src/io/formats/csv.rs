@@ -168,10 +168,17 @@ pub(super) fn write(table: &Table, mut out: impl Write) -> std::io::Result<()> {
         Ok(())
     };
     let line = |cells: &[String]| -> std::io::Result<Vec<u8>> {
+        // Unquoted, a separator that is looked for before the table's own would be taken for it.
+        let is_mistaken = |letter: char| match table.delimiter {
+            b',' => matches!(letter, ';' | '\t'),
+            b';' => letter == '\t',
+            _ => false,
+        };
+        let style = if cells.iter().any(|cell| cell.contains(is_mistaken)) { QuoteStyle::Always } else { QuoteStyle::Necessary };
         // Quotes keep a cell that begins as a comment does from becoming one.
         let mut writer = WriterBuilder::new()
             .delimiter(table.delimiter)
-            .quote_style(QuoteStyle::Necessary)
+            .quote_style(style)
             .comment(Some(b'#'))
             .from_writer(Vec::new());
         writer.write_record(cells)?;

@@ -35,7 +35,7 @@ pub(super) fn read(lexer: &mut Lexer<'_>, array: &mut DataArray) -> Result<(), F
             let mut words: Vec<String> = data.split_ascii_whitespace().skip(1).map(decoded).collect();
             let count = words.first().and_then(|count| count.parse::<usize>().ok());
             // Lists of texts stand one a line behind their number.
-            while words.len() == 1 && count.is_some() && lines.peek().is_some_and(|line| !line.starts_with("NAME ")) {
+            if words.len() == 1 && count.is_some() && lines.peek().is_some_and(|line| !line.starts_with("NAME ")) {
                 words.extend(lines.by_ref().take(count.unwrap_or(0)).map(|line| decoded(&line)));
             }
             let value = if count == Some(words.len().wrapping_sub(1)) && words.len() > 1 {

@@ -145,3 +145,26 @@ fn a_polyhedron_without_whole_faces_is_not_written_as_legacy() {
         assert!(!to.exists());
     }
 }
+
+/// An empty list of texts stands on no line at all; the reader once waited for its first one for ever.
+#[test]
+fn an_empty_list_in_the_metadata_of_a_legacy_file_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "# vtk DataFile Version 4.2\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 1 float\n1 2 3\nMETADATA\nINFORMATION 2\n\
+                NAME A LOCATION b\nDATA 0\nNAME C LOCATION d\nDATA 1 2.5\n\nCELLS 0 0\nCELL_TYPES 0\n";
+    let dataset = read_text(&folder, "a.vtk", text.as_bytes()).unwrap();
+    let strange = text.replace("DATA 0\nNAME C LOCATION d\n", "DATA 0\nN@ME C LOCATION d\n");
+    assert_eq!(read_text(&folder, "b.vtk", strange.as_bytes()).unwrap().points_f64(), dataset.points_f64());
+}
+
+/// A name with a tab or a semicolon, in a table that commas separate, is read back whole.
+#[test]
+fn separators_within_names_of_columns_stay_within() {
+    let folder = tempfile::tempdir().unwrap();
+    for source in ["x\ta;b\n1\t2\n3\t5\n", "\"p\tq\";\"c,d\"\n1;2\n3;5\n", "\"x;y\",\"a\tb\"\n1,2\n3,5\n"] {
+        let dataset = read_text(&folder, "a.csv", source.as_bytes()).unwrap();
+        write(folder.path().join("b.csv"), &dataset).unwrap();
+        let again = read(folder.path().join("b.csv")).unwrap();
+        assert_eq!((again.geometry, again.point_data), (dataset.geometry, dataset.point_data), "{source}");
+    }
+}
