@@ -47,6 +47,8 @@ def test_control_c_ends_a_call_in_the_middle():
     program = """
 import os, signal, sys, threading, traceback
 import numpy as np, morsmooth
+# A shell that starts commands in the background has them ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 count = 500
 u, v = np.meshgrid(np.arange(float(count)), np.arange(float(count)), indexing="ij")
 points = np.column_stack([u.ravel(), v.ravel(), np.zeros(count * count)])
