@@ -142,7 +142,7 @@ fn surfaces_that_are_turned_glued_or_one_sided_are_flipped_where_they_can_be() {
     let strip = SimplicialComplex::new(2, points, corners).unwrap();
     let truth = from(&strip, 5);
     let (errors, flips) = both(&strip, 5, &truth);
-    assert!(flips > 0 && errors[0] < 0.66 && errors[0] < errors[1], "{errors:?} after {flips} flips");
+    assert!(flips > 0 && errors[0] < 0.65 && errors[0] < errors[1], "{errors:?} after {flips} flips");
     let mut fan = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
     let mut corners = Vec::new();
     for (y, z) in [(0.2, 0.0), (-0.2, 0.1), (0.0, 0.3)] {
