@@ -19,5 +19,5 @@ mod window;
 pub use curve::sample_curve;
 pub use error::GeodesicError;
 pub use exact::{ExactGeodesic, exact_distances};
-pub use heat::{HeatGeodesic, HeatOptions, HeatTriangles};
+pub use heat::{HeatBoundary, HeatGeodesic, HeatOptions, HeatTriangles};
 pub use source::{SurfacePoint, nearest_point};

@@ -108,7 +108,7 @@ fn text(bytes: &[u8]) -> &[u8] {
 
 fn read_bytes(bytes: &[u8], format: Option<MeshFormat>) -> Result<DataSet, Fault> {
     const KNOWN: &str = "a serial VTK XML file, a legacy .vtk file, a mesh (.obj .off .ply .stl .mesh .msh), a table (.csv .tsv), an image (.png), or an array (.npy)";
-    if bytes.starts_with(b"# vtk DataFile") {
+    if bytes.starts_with(legacy::LEGACY_MARK) {
         return legacy::read(bytes);
     }
     // The head of a table may begin with a bracket, too.

@@ -1,19 +1,17 @@
 //! How many extrema a field has, before and after, over the steps of a series: one drawing, as SVG or as PNG.
 
 use super::canvas::{Align, LABEL};
-use super::colour::{FAINT_INK, MAXIMUM, MINIMUM, Rgb, mix};
+use super::colour::{MAXIMUM, MINIMUM, Rgb, mix};
 use super::error::PlotError;
+use super::frame::Frame;
 use super::marks::{self, Mark};
 use super::picture::Picture;
 use super::ticks::ticks;
 
 const WIDTH: i64 = 1400;
 const HEIGHT: i64 = 640;
-const LEFT: i64 = 96;
-const RIGHT: i64 = 36;
-const TOP: i64 = 56;
-const BOTTOM: i64 = 104;
-const GRID: Rgb = [228, 228, 232];
+/// Left, right, top and bottom.
+const MARGINS: [i64; 4] = [96, 36, 56, 104];
 /// Above this ratio of the largest to the smallest count the axis is logarithmic.
 const WIDE: f64 = 20.0;
 
@@ -74,21 +72,15 @@ impl CountsChart<'_> {
         let is_logarithmic = least >= 1.0 && most > WIDE * least;
         let scaled = |count: f64| if is_logarithmic { count.log10() } else { count };
         let (low, high) = if is_logarithmic { (scaled(least) - 0.1, scaled(most) + 0.1) } else { (0.0, 1.06 * most) };
-        let (right, bottom) = ((WIDTH - RIGHT) as f64, (HEIGHT - BOTTOM) as f64);
-        let (left, top) = (LEFT as f64, TOP as f64);
+        let frame = Frame::new((WIDTH, HEIGHT), MARGINS);
+        let Frame { left, right, top, bottom, .. } = frame;
         let x = |time: f64| left + (time - first) / (last - first) * (right - left);
         let y = |count: f64| top + (high - scaled(count)) / (high - low) * (bottom - top);
 
-        let mut marks = vec![Mark::Text([WIDTH as f64 / 2.0, 28.0], Align::Centre, true, self.title.to_owned())];
-        for (count, text) in if is_logarithmic { decades(low, high) } else { whole(high) } {
-            marks.push(Mark::Line(vec![[left, y(count)], [right, y(count)]], 0.5, GRID));
-            marks.push(Mark::Text([left - 10.0, y(count)], Align::Right, false, text));
-        }
-        for (time, text) in ticks(first, last, 10) {
-            marks.push(Mark::Line(vec![[x(time), top], [x(time), bottom]], 0.5, GRID));
-            marks.push(Mark::Text([x(time), bottom + 18.0], Align::Centre, false, text));
-        }
-        marks.push(Mark::Line(vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], 0.5, FAINT_INK));
+        let rows = if is_logarithmic { decades(low, high) } else { whole(high) };
+        let rows = rows.into_iter().map(|(count, text)| (y(count), text)).collect();
+        let columns = ticks(first, last, 10).into_iter().map(|(time, text)| (x(time), text)).collect();
+        let mut marks = frame.marks(self.title, rows, columns);
         marks.push(Mark::Text([(left + right) / 2.0, bottom + 42.0], Align::Centre, false, self.place.to_owned()));
 
         let curves = [

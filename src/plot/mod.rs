@@ -12,6 +12,7 @@ mod curve;
 mod dates;
 mod error;
 mod file;
+mod frame;
 mod marks;
 mod overlay;
 mod paint;

@@ -1,20 +1,18 @@
 //! A series and its smooth version over place or time, with the kept extrema marked: one drawing, as SVG or as PNG.
 
 use super::canvas::{Align, LABEL};
-use super::colour::{FAINT_INK, MAXIMUM, MINIMUM, Rgb};
+use super::colour::{MAXIMUM, MINIMUM, Rgb};
 use super::dates::date_ticks;
 use super::error::PlotError;
+use super::frame::Frame;
 use super::marks::{self, Mark};
 use super::picture::Picture;
 use super::ticks::ticks;
 
 const WIDTH: i64 = 1600;
 const HEIGHT: i64 = 640;
-const LEFT: i64 = 110;
-const RIGHT: i64 = 28;
-const TOP: i64 = 56;
-const BOTTOM: i64 = 92;
-const GRID: Rgb = [228, 228, 232];
+/// Left, right, top and bottom.
+const MARGINS: [i64; 4] = [110, 28, 56, 92];
 const DATA: Rgb = [150, 166, 190];
 const SMOOTH: Rgb = [20, 24, 34];
 
@@ -86,26 +84,17 @@ impl SeriesChart<'_> {
         let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)));
         let room = 0.05 * if high > low { high - low } else { 1.0 };
         let (low, high) = (low - room, high + room);
-        let (width, height) = ((WIDTH - LEFT - RIGHT) as f64, (HEIGHT - TOP - BOTTOM) as f64);
-        let x = |at: f64| LEFT as f64 + (at - first) / (last - first) * width;
-        let y = |value: f64| TOP as f64 + (high - value) / (high - low) * height;
-        let (right, bottom) = (LEFT as f64 + width, TOP as f64 + height);
-
-        let mut marks = vec![Mark::Text([WIDTH as f64 / 2.0, 28.0], Align::Centre, true, self.title.to_owned())];
-        for (value, text) in ticks(low, high, 7) {
-            marks.push(Mark::Line(vec![[LEFT as f64, y(value)], [right, y(value)]], 0.5, GRID));
-            marks.push(Mark::Text([LEFT as f64 - 10.0, y(value)], Align::Right, false, text));
-        }
+        let frame = Frame::new((WIDTH, HEIGHT), MARGINS);
+        let Frame { left, right, top, bottom, .. } = frame;
+        let x = |at: f64| left + (at - first) / (last - first) * (right - left);
+        let y = |value: f64| top + (high - value) / (high - low) * (bottom - top);
         let across = match self.kind {
             PlaceKind::Numbers => ticks(first, last, 10),
             PlaceKind::Days => date_ticks(first, last, 9),
         };
-        for (at, text) in across {
-            marks.push(Mark::Line(vec![[x(at), TOP as f64], [x(at), bottom]], 0.5, GRID));
-            marks.push(Mark::Text([x(at), bottom + 18.0], Align::Centre, false, text));
-        }
-        let corners = [[LEFT as f64, TOP as f64], [right, TOP as f64], [right, bottom], [LEFT as f64, bottom], [LEFT as f64, TOP as f64]];
-        marks.push(Mark::Line(corners.to_vec(), 0.5, FAINT_INK));
+        let rows = ticks(low, high, 7).into_iter().map(|(value, text)| (y(value), text)).collect();
+        let columns = across.into_iter().map(|(at, text)| (x(at), text)).collect();
+        let mut marks = frame.marks(self.title, rows, columns);
         let place = |index: usize, values: &[f64]| [x(self.places[index]), y(values[index])];
         let present: Vec<usize> = (0..count).filter(|&index| !self.data[index].is_nan()).collect();
         // A gap in the data is a gap in its line.
@@ -119,12 +108,13 @@ impl SeriesChart<'_> {
             marks.extend(known.map(|&index| Mark::Disc(place(index, self.smooth), radius, colour)));
         }
         marks.extend(self.spikes.iter().filter(|&&index| index < count).map(|&index| Mark::Star(place(index, self.smooth))));
-        self.add_legend(&mut marks, bottom + 62.0);
+        self.add_legend(&mut marks, &frame);
         Ok(marks)
     }
 
-    fn add_legend(&self, marks: &mut Vec<Mark>, row: f64) {
-        let mut left = LEFT as f64;
+    fn add_legend(&self, marks: &mut Vec<Mark>, frame: &Frame) {
+        let row = frame.bottom + 62.0;
+        let mut left = frame.left;
         let mut say = |marks: &mut Vec<Mark>, sign: Option<Mark>, text: String| {
             if let Some(sign) = sign {
                 marks.push(sign);
@@ -135,7 +125,7 @@ impl SeriesChart<'_> {
             left += width + 30.0;
         };
         let dash = |left: f64, radius: f64, colour: Rgb| Mark::Line(vec![[left, row], [left + 16.0, row]], radius, colour);
-        let at = LEFT as f64;
+        let at = frame.left;
         let column = |texts: &[&str]| texts.iter().fold(at, |left, text| left + 24.0 + LABEL.width(text) as f64 + 30.0);
         let (minima, maxima) = (format!("{} minima", self.minima.len()), format!("{} maxima", self.maxima.len()));
         let words = ["data", "smooth", &minima, &maxima];
@@ -147,6 +137,6 @@ impl SeriesChart<'_> {
             let text = format!("{} kept as a spike", self.spikes.len());
             say(marks, Some(Mark::Star([column(&words) + 8.0, row])), text);
         }
-        marks.push(Mark::Text([(WIDTH - RIGHT) as f64, row], Align::Right, false, self.place.to_owned()));
+        marks.push(Mark::Text([frame.right, row], Align::Right, false, self.place.to_owned()));
     }
 }

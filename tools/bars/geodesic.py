@@ -78,7 +78,7 @@ def compare(given, name, folder):
         written = os.path.join(folder, "heat.vtp")
         mine = []
         for triangles in ("given", "delaunay"):
-            child([given.program, "geodesic", path, written, "--source", str(source), "--method", "heat", "--heat-triangles", triangles,
+            child([given.program, "geodesic", path, written, "--source", str(source), "--method", "heat", "--heat-triangles", triangles, "--heat-boundary", "insulated",
                    "--quiet", "--allow-unreached", "--threads", "1"])
             mine.append(pyvista.read(written)["geodesic_distance"])
         theirs = [potpourri3d.MeshHeatMethodDistanceSolver(points, faces, use_robust=robust).compute_distance(source)

@@ -11,6 +11,7 @@ use jiff::civil::{Date, DateTime};
 use jiff::{SignedDuration, Timestamp};
 
 use crate::io::error::{Fault, Place, quoted};
+use crate::io::legacy::LEGACY_MARK;
 
 use super::table::{Row, Table, Value};
 
@@ -167,14 +168,19 @@ pub(super) fn write(table: &Table, mut out: impl Write) -> std::io::Result<()> {
         }
         Ok(())
     };
-    let line = |cells: &[String]| -> std::io::Result<Vec<u8>> {
+    let line = |cells: &[String], is_first: bool| -> std::io::Result<Vec<u8>> {
         // Unquoted, a separator that is looked for before the table's own would be taken for it.
         let is_mistaken = |letter: char| match table.delimiter {
+            // A single column shows no separator of its own.
+            _ if cells.len() == 1 => matches!(letter, ',' | ';' | '\t'),
             b',' => matches!(letter, ';' | '\t'),
             b';' => letter == '\t',
             _ => false,
         };
-        let style = if cells.iter().any(|cell| cell.contains(is_mistaken)) { QuoteStyle::Always } else { QuoteStyle::Necessary };
+        // At the beginning of a file these tell of another format, and of the encoding.
+        let is_mark = is_first && cells.first().is_some_and(|cell| cell.trim_start().starts_with(['<', '\u{feff}']));
+        let must_quote = is_mark || cells.iter().any(|cell| cell.contains(is_mistaken));
+        let style = if must_quote { QuoteStyle::Always } else { QuoteStyle::Necessary };
         // Quotes keep a cell that begins as a comment does from becoming one.
         let mut writer = WriterBuilder::new()
             .delimiter(table.delimiter)
@@ -184,13 +190,17 @@ pub(super) fn write(table: &Table, mut out: impl Write) -> std::io::Result<()> {
         writer.write_record(cells)?;
         writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))
     };
+    if table.comments.first().is_some_and(|(_, comment)| comment.as_bytes().starts_with(LEGACY_MARK)) {
+        // An empty line keeps the comment from making the table a legacy file.
+        writeln!(out)?;
+    }
     put_comments(&mut out, Table::ABOVE_HEADER)?;
     if table.has_header {
-        out.write_all(&line(&table.names)?)?;
+        out.write_all(&line(&table.names, true)?)?;
     }
     for (number, row) in table.rows.iter().enumerate() {
         put_comments(&mut out, number)?;
-        out.write_all(&line(&row.cells)?)?;
+        out.write_all(&line(&row.cells, number == 0 && !table.has_header)?)?;
     }
     put_comments(&mut out, table.rows.len())
 }

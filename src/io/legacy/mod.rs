@@ -7,5 +7,5 @@ mod read;
 mod values;
 mod write;
 
-pub(super) use read::read;
+pub(super) use read::{LEGACY_MARK, read};
 pub(super) use write::{check, write};

@@ -10,6 +10,9 @@ use super::order::{POINTS_MOVED, has_moved_points};
 use crate::io::lexer::Lexer;
 use super::values::{LegacyType, integers};
 
+/// How every legacy file begins.
+pub(in crate::io) const LEGACY_MARK: &[u8] = b"# vtk DataFile";
+
 /// VTK's number for a polyhedron, whose legacy cell is a run of faces.
 const POLYHEDRON: u8 = 42;
 

@@ -88,14 +88,27 @@ fn value_type(node: Node<'_, '_>) -> Result<ValueType, Fault> {
 fn information(node: Node<'_, '_>) -> InformationKey {
     let texts = || node.children().filter(|child| child.has_tag_name("Value"));
     let value = match node.attribute("length") {
-        Some(_) => InformationValue::List(texts().map(|value| value.text().unwrap_or_default().trim().to_owned()).collect()),
-        None => InformationValue::Single(node.text().unwrap_or_default().trim().to_owned()),
+        Some(_) => InformationValue::List(texts().map(content).collect()),
+        None => InformationValue::Single(content(node)),
     };
     InformationKey {
         name: node.attribute("name").unwrap_or_default().to_owned(),
         location: node.attribute("location").unwrap_or_default().to_owned(),
         value,
     }
+}
+
+/// The text of an element without the blanks and line ends around it; those that stand there as character references belong to it.
+fn content(node: Node<'_, '_>) -> String {
+    let Some(child) = node.first_child().filter(Node::is_text) else { return String::new() };
+    let text = child.text().unwrap_or_default();
+    // A parser makes one line end of two bytes.
+    let raw = node.document().input_text()[child.range()].replace("\r\n", "\n");
+    let is_blank = u8::is_ascii_whitespace;
+    let before = raw.bytes().take_while(is_blank).count();
+    let behind = raw.bytes().rev().take_while(is_blank).count();
+    let text = &text[text.bytes().take(before).take_while(is_blank).count()..];
+    text[..text.len() - text.bytes().rev().take(behind).take_while(is_blank).count()].to_owned()
 }
 
 /// The first text inside an element that is not blank, and its place. Information keys may stand before or after it.

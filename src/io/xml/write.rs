@@ -152,6 +152,18 @@ impl std::fmt::Display for Escaped<'_> {
     }
 }
 
+/// The text of an element; blanks at its ends are part of it, which readers would drop if they stood as they are.
+struct Content<'a>(&'a str);
+
+impl std::fmt::Display for Content<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let behind = self.0.trim_start_matches(' ');
+        let middle = behind.trim_end_matches(' ');
+        let blanks = |count: usize| "&#32;".repeat(count);
+        write!(f, "{}{}{}", blanks(self.0.len() - behind.len()), Escaped(middle), blanks(behind.len() - middle.len()))
+    }
+}
+
 /// Numbers with blanks between them, in the shortest form that reads back to the same bits.
 fn list<T: std::fmt::Debug>(numbers: &[T]) -> String {
     numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" ")
@@ -330,11 +342,11 @@ impl<'a> Writer<'a> {
                 Escaped(&key.location)
             ));
             match &key.value {
-                InformationValue::Single(value) => self.push(&format!(">{}</InformationKey>\n", Escaped(value))),
+                InformationValue::Single(value) => self.push(&format!(">{}</InformationKey>\n", Content(value))),
                 InformationValue::List(values) => {
                     self.push(&format!(" length=\"{}\">\n", values.len()));
                     for (index, value) in values.iter().enumerate() {
-                        self.push(&format!("            <Value index=\"{index}\">{}</Value>\n", Escaped(value)));
+                        self.push(&format!("            <Value index=\"{index}\">{}</Value>\n", Content(value)));
                     }
                     self.push("          </InformationKey>\n");
                 }

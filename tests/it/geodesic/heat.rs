@@ -1,7 +1,7 @@
 //! The heat method: near the truth, and nearer on finer meshes.
 
 use morsmooth::field::VertexId;
-use morsmooth::geodesic::{GeodesicError, HeatGeodesic, HeatOptions, HeatTriangles, SurfacePoint};
+use morsmooth::geodesic::{GeodesicError, HeatBoundary, HeatGeodesic, HeatOptions, HeatTriangles, SurfacePoint};
 use morsmooth::mesh::{Domain, Grid, Mask, SimplicialComplex};
 
 use super::{Random, at, distance, from, grid};
@@ -95,6 +95,24 @@ fn flipped_edges_make_up_for_a_bad_mesh() {
         // Points of no triangle are infinitely far.
         assert!(*large == small || (large - small * 1e90).abs() < 1e-6, "{large} {small}");
     }
+}
+
+#[test]
+fn insulated_walls_serve_narrow_parts_and_change_nothing_without_a_wall() {
+    let mean_error = |mesh: &SimplicialComplex, source: usize, boundary| {
+        let mut heat = HeatGeodesic::new(mesh, HeatOptions { boundary, ..HeatOptions::default() }).unwrap();
+        let found = heat.distances(&[at(source)]).unwrap();
+        found.iter().zip(from(mesh, source)).map(|(a, b)| (a - b).abs()).sum::<f64>() / found.len() as f64
+    };
+    let place = |i: f64, j: f64, random: &mut Random| [i + 0.2 * random.next(), j + 0.2 * random.next(), 0.0];
+    let strip = grid([121, 9], &mut Random(5), place, |_, _| true);
+    let [mean, insulated] = [HeatBoundary::Mean, HeatBoundary::Insulated].map(|boundary| mean_error(&strip, 4 * 121 + 30, boundary));
+    assert!(insulated < 0.9 * mean, "{insulated} {mean}");
+    let octahedron = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+    let faces = [0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5];
+    let closed = SimplicialComplex::new(2, octahedron.to_vec(), faces.to_vec()).unwrap();
+    let of = |boundary| HeatGeodesic::new(&closed, HeatOptions { boundary, ..HeatOptions::default() }).unwrap().distances(&[at(0)]).unwrap();
+    assert_eq!(of(HeatBoundary::Mean), of(HeatBoundary::Insulated));
 }
 
 #[test]

@@ -167,4 +167,44 @@ fn separators_within_names_of_columns_stay_within() {
         let again = read(folder.path().join("b.csv")).unwrap();
         assert_eq!((again.geometry, again.point_data), (dataset.geometry, dataset.point_data), "{source}");
     }
+    // The only column of a table shows no separator.
+    for name in ["b,", "b;c", "b\tc"] {
+        let dataset = read_text(&folder, "a.tsv", format!("\"{name}\"\n1\n2\n").as_bytes()).unwrap();
+        write(folder.path().join("b.tsv"), &dataset).unwrap();
+        assert_eq!(read(folder.path().join("b.tsv")).unwrap().point_data, dataset.point_data, "{name}");
+    }
+}
+
+/// A table that begins with what another format begins with was read as a table because something stood before it; it is written so that it
+/// stays one.
+#[test]
+fn tables_that_begin_like_another_format_stay_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    for source in ["# a\n<VTKFile 2001,b\n1,2\n", "# a\n<?xml;b\n1;2\n", "\n# vtk DataFile Version 4.2\na,b\n1,2\n", "# a\n\u{feff}<VTKFile,b\n1,2\n"] {
+        let dataset = read_text(&folder, "a.csv", source.as_bytes()).unwrap();
+        write(folder.path().join("b.csv"), &dataset).unwrap();
+        let again = read(folder.path().join("b.csv")).unwrap();
+        assert_eq!((again.geometry, again.point_data), (dataset.geometry, dataset.point_data), "{source}");
+    }
+}
+
+/// Blanks at the ends of an information key's value come back from XML as they were, and the line ends that VTK puts around a value do not.
+#[test]
+fn blanks_at_the_ends_of_information_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "# vtk DataFile Version 4.2\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n1 2 3\nMETADATA\nINFORMATION 3\n\
+                NAME A LOCATION b\nDATA %20a%20b%20%20\nNAME C LOCATION d\nDATA 2 %20 x%0A\nNAME E LOCATION f\nDATA q\n\n";
+    let dataset = read_text(&folder, "a.vtk", text.as_bytes()).unwrap();
+    let information = |dataset: &DataSet| match &dataset.geometry {
+        Geometry::PolyData { points, .. } => format!("{:?}", points.information),
+        _ => unreachable!("poly data"),
+    };
+    assert!(information(&dataset).contains("\" a b  \""), "{}", information(&dataset));
+    let to = folder.path().join("b.vtp");
+    write(&to, &dataset).unwrap();
+    assert_eq!(information(&read(&to).unwrap()), information(&dataset));
+    let written = std::fs::read(&to).unwrap();
+    let from = written.windows(2).position(|bytes| bytes == b">q").unwrap();
+    let padded = [&written[..=from], b"\r\n    q\r\n  ", &written[from + 2..]].concat();
+    assert_eq!(information(&read_text(&folder, "c.vtp", &padded).unwrap()), information(&dataset));
 }

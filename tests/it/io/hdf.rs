@@ -38,7 +38,13 @@ fn kept(mut dataset: DataSet) -> DataSet {
         array.component_names.clear();
         array.id_type = false;
     }
-    match &mut dataset.geometry {
+    forget_places(&mut dataset.geometry);
+    dataset
+}
+
+/// Clears what the format does not keep of the arrays of places: information keys, and the names of axes.
+fn forget_places(geometry: &mut Geometry) {
+    match geometry {
         Geometry::PolyData { points, .. } | Geometry::UnstructuredGrid { points, .. } | Geometry::StructuredGrid { points, .. } => {
             points.information.clear();
         }
@@ -50,7 +56,6 @@ fn kept(mut dataset: DataSet) -> DataSet {
         }
         Geometry::ImageData { .. } => {}
     }
-    dataset
 }
 
 #[test]
@@ -162,18 +167,7 @@ fn without_losses(mut dataset: DataSet) -> DataSet {
     }
     let arrays = dataset.point_data.arrays.iter_mut().chain(&mut dataset.cell_data.arrays).chain(&mut dataset.field_data);
     arrays.for_each(|array| array.information.clear());
-    match &mut dataset.geometry {
-        Geometry::PolyData { points, .. } | Geometry::UnstructuredGrid { points, .. } | Geometry::StructuredGrid { points, .. } => {
-            points.information.clear();
-        }
-        Geometry::RectilinearGrid { coordinates, .. } => {
-            for (array, axis) in coordinates.iter_mut().zip(["X", "Y", "Z"]) {
-                array.information.clear();
-                array.name = format!("{axis}Coordinates");
-            }
-        }
-        Geometry::ImageData { .. } => {}
-    }
+    forget_places(&mut dataset.geometry);
     dataset
 }
 

@@ -10,6 +10,7 @@ pub mod pattern;
 pub mod pictures;
 pub mod report;
 pub mod shape_input;
+pub mod spot;
 pub mod steps;
 pub mod steps_report;
 pub mod talk;

@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::common::input::FieldInput;
 use crate::common::shape_input::Locator;
+use crate::common::spot::{Spot, SpotColumns, cell_fault, column};
 use crate::failure::Failure;
 
 /// One wanted extremum.
@@ -25,12 +26,6 @@ pub struct HandWish {
     path: PathBuf,
     /// Its line or number there.
     place: String,
-}
-
-/// Where an extremum is to be.
-enum Spot {
-    Point(u64),
-    Position([f64; 3]),
 }
 
 /// An entry of a list: its place in the file, where it is, and its value.
@@ -60,7 +55,7 @@ pub fn wishes(minima: Option<&Path>, maxima: Option<&Path>, input: &FieldInput) 
             return Err(Failure::file(path, "found no extremum; expected one a line"));
         }
         for (place, spot, rule) in entries {
-            let vertex = vertex(path, (&place, &spot), input, &locator)?;
+            let (vertex, _) = spot.vertex((path, &place), input, &locator)?;
             wishes.push(HandWish { kind, vertex, rule, path: path.to_owned(), place });
         }
     }
@@ -97,17 +92,6 @@ pub fn wanted(wishes: &[HandWish], vertices: usize) -> (WantedExtrema, Vec<Value
     (WantedExtrema { minima: of(ExtremumKind::Minimum), maxima: of(ExtremumKind::Maximum) }, rules)
 }
 
-fn vertex(path: &Path, (place, spot): (&str, &Spot), input: &FieldInput, locator: &Locator<'_>) -> Result<VertexId, Failure> {
-    match spot {
-        Spot::Point(point) => input.vertex_of_point(path, *point),
-        Spot::Position(position) => locator.nearest(*position).map_err(|distance| {
-            let mesh = input.path.display();
-            let text = format!("{place}: the position {position:?} is {distance:.3e} from the nearest vertex of {mesh}, farther than its longest edge");
-            Failure::file(path, format!("{text}; expected a position on the mesh"))
-        }),
-    }
-}
-
 fn entries(path: &Path, kind: ExtremumKind) -> Result<Vec<Entry>, Failure> {
     match path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
         true => json_entries(path, kind),
@@ -119,51 +103,24 @@ fn entries(path: &Path, kind: ExtremumKind) -> Result<Vec<Entry>, Failure> {
 fn table_entries(path: &Path) -> Result<Vec<Entry>, Failure> {
     let told = |error: morsmooth::io::IoError| Failure::usage(error.to_string());
     let table = Table::read_list(path).map_err(told)?;
-    let named = |names: &[&str]| (0..table.width()).find(|&column| names.iter().any(|name| table.names()[column].eq_ignore_ascii_case(name)));
-    let (point, position, value) = match (table.has_header(), table.width()) {
-        (true, _) => {
-            let position: Vec<usize> = ["x", "y", "z"].iter().filter_map(|name| named(&[name])).collect();
-            (named(&["point", "vertex", "id"]), position, named(&["value"]))
-        }
-        (false, width @ 1..=4) => (
-            (width <= 2).then_some(0),
-            if width > 2 { (0..width - 1).collect() } else { Vec::new() },
-            (width > 1).then(|| width - 1),
-        ),
-        (false, _) => (None, Vec::new(), None),
+    let (columns, value) = match (table.has_header(), table.width()) {
+        (true, _) => (SpotColumns::named(&table)?, column(&table, &["value"])),
+        (false, width @ 1..=2) => (SpotColumns::new(&table, Some(0), Vec::new())?, (width > 1).then(|| width - 1)),
+        (false, width @ 3..=4) => (SpotColumns::new(&table, None, (0..width - 1).collect())?, Some(width - 1)),
+        (false, _) => (SpotColumns::new(&table, None, Vec::new())?, None),
     };
-    if point.is_none() && position.is_empty() {
+    if !columns.are_enough(1) {
         let found = table.names().join(", ");
         return Err(Failure::file(path, format!("found the columns {found}; expected point, value or x, y, z, value")));
     }
-    let coordinates = position.iter().map(|&column| table.numbers(column)).collect::<Result<Vec<_>, _>>().map_err(told)?;
     let row = |row: usize| {
         let place = format!("line {}", table.line(row));
-        let fault = |found: &str, expected: &str| Failure::file(path, format!("{place}: found '{found}'; expected {expected}"));
         let rule = match value {
             None => ValueRule::Free,
-            Some(column) => {
-                let cell = table.cell(row, column);
-                rule(cell).ok_or_else(|| fault(cell, "a value, an interval such as 0.2..0.5, or nothing"))?
-            }
+            Some(column) => rule(table.cell(row, column))
+                .ok_or_else(|| cell_fault(path, &table, (row, column), "a value, an interval such as 0.2..0.5, or nothing"))?,
         };
-        let spot = match point {
-            Some(column) => {
-                let cell = table.cell(row, column);
-                Spot::Point(cell.parse().map_err(|_| fault(cell, "a point number (0, 1, 2, ...)"))?)
-            }
-            None => {
-                let mut at = [0.0; 3];
-                for (axis, numbers) in coordinates.iter().enumerate() {
-                    at[axis] = numbers[row];
-                    if numbers[row].is_nan() {
-                        return Err(fault(table.cell(row, position[axis]), "a coordinate"));
-                    }
-                }
-                Spot::Position(at)
-            }
-        };
-        Ok((place, spot, rule))
+        Ok((place, columns.spot(path, &table, row)?, rule))
     };
     (0..table.len()).map(row).collect()
 }

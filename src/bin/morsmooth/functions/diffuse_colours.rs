@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use crate::common::input::FieldInput;
 use crate::common::shape_input::{Locator, distance};
+use crate::common::spot::{Spot, SpotColumns, beside, cell_fault, column};
 use crate::failure::Failure;
 
 /// Red, green and blue, 0 to 1.
@@ -20,12 +21,6 @@ struct Dab {
     curve: Option<String>,
     spot: Spot,
     colour: Colour,
-}
-
-#[derive(Clone, Copy)]
-enum Spot {
-    Point(u64),
-    Position([f64; 3]),
 }
 
 /// The colours of a file, at vertices of the domain, by rising vertex.
@@ -40,19 +35,13 @@ pub fn given(path: &Path, input: &FieldInput) -> Result<Vec<(VertexId, Colour)>,
     let locator = Locator::new(&input.domain.complex);
     let mut before: Option<(&Dab, [f64; 3])> = None;
     for dab in &dabs {
-        let (vertex, position) = match dab.spot {
-            Spot::Point(point) => {
-                let vertex = input.vertex_of_point(path, point)?;
-                (vertex, input.domain.complex.point(vertex))
-            }
-            Spot::Position(position) => (locator.nearest(position).map_err(|far| painted.beside(&dab.place, position, far))?, position),
-        };
+        let (vertex, position) = dab.spot.vertex((path, &dab.place), input, &locator)?;
         let last = before.filter(|(last, _)| dab.curve.is_some() && last.curve == dab.curve);
         match last {
             None => painted.set(vertex, dab.colour, &dab.place)?,
             Some((last, from)) => {
                 let whole = distance(from, position);
-                for vertex in locator.along(from, position).map_err(|far| painted.beside(&dab.place, position, far))? {
+                for vertex in locator.along(from, position).map_err(|far| beside((path, &dab.place), input, position, far))? {
                     let at = input.domain.complex.point(vertex);
                     let along: f64 = (0..3).map(|axis| (at[axis] - from[axis]) * (position[axis] - from[axis])).sum();
                     let part = if whole > 0.0 { (along / (whole * whole)).clamp(0.0, 1.0) } else { 1.0 };
@@ -89,12 +78,6 @@ impl Painted<'_> {
         self.colours.insert(vertex, (colour, place.to_owned()));
         Ok(())
     }
-
-    fn beside(&self, place: &str, position: [f64; 3], far: f64) -> Failure {
-        let mesh = self.input.path.display();
-        let text = format!("{place}: the position {position:?} is {far:.3e} from the nearest vertex of {mesh}, farther than its longest edge");
-        Failure::file(self.path, format!("{text}; expected a position on the mesh"))
-    }
 }
 
 /// A colour as `#rrggbb`.
@@ -121,51 +104,28 @@ pub fn parse_colour(text: &str) -> Option<Colour> {
 fn table_dabs(path: &Path) -> Result<Vec<Dab>, Failure> {
     let told = |error: morsmooth::io::IoError| Failure::usage(error.to_string());
     let table = Table::read(path).map_err(told)?;
-    let named = |names: &[&str]| (0..table.width()).find(|&column| names.iter().any(|name| table.names()[column].eq_ignore_ascii_case(name)));
-    let position: Vec<usize> = ["x", "y", "z"].iter().filter_map(|name| named(&[name])).collect();
-    let (point, curve, colour) = (named(&["point", "vertex"]), named(&["curve"]), named(&["colour", "color"]));
-    let channels = [named(&["r", "red"]), named(&["g", "green"]), named(&["b", "blue"])];
-    if point.is_none() && position.len() < 2 || colour.is_none() && channels.contains(&None) {
+    let columns = SpotColumns::named(&table)?;
+    let (curve, colour) = (column(&table, &["curve"]), column(&table, &["colour", "color"]));
+    let channels = [["r", "red"], ["g", "green"], ["b", "blue"]].map(|names| column(&table, &names));
+    if !columns.are_enough(2) || colour.is_none() && channels.contains(&None) {
         let found = table.names().join(", ");
         return Err(Failure::file(path, format!("found the columns {found}; expected x, y (or point) and colour (or r, g, b)")));
     }
     let dab = |row: usize| {
         let place = format!("line {}", table.line(row));
-        let fault = |cell: &str, expected: &str| Failure::file(path, format!("{place}: found '{cell}'; expected {expected}"));
-        let number = |column: usize, expected: &str| {
-            let cell = table.cell(row, column);
-            cell.replacen(',', ".", 1).parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| fault(cell, expected))
-        };
+        let fault = |column: usize, expected: &str| cell_fault(path, &table, (row, column), expected);
         let colour = match (colour, channels) {
-            (Some(column), _) => {
-                let cell = table.cell(row, column);
-                parse_colour(cell).ok_or_else(|| fault(cell, "a colour such as #ff8000"))?
-            }
+            (Some(column), _) => parse_colour(table.cell(row, column)).ok_or_else(|| fault(column, "a colour such as #ff8000"))?,
             (None, channels) => {
                 let mut colour = [0.0; 3];
                 for (channel, column) in channels.into_iter().flatten().enumerate() {
-                    let byte = number(column, "a number from 0 to 255")?;
-                    if !(0.0..=255.0).contains(&byte) {
-                        return Err(fault(table.cell(row, column), "a number from 0 to 255"));
-                    }
-                    colour[channel] = byte / 255.0;
+                    let byte = table.cell(row, column).replacen(',', ".", 1).parse::<f64>().ok().filter(|byte| (0.0..=255.0).contains(byte));
+                    colour[channel] = byte.ok_or_else(|| fault(column, "a number from 0 to 255"))? / 255.0;
                 }
                 colour
             }
         };
-        let spot = match point {
-            Some(column) => {
-                let cell = table.cell(row, column);
-                Spot::Point(cell.parse().map_err(|_| fault(cell, "a point number (0, 1, 2, ...)"))?)
-            }
-            None => {
-                let mut at = [0.0; 3];
-                for (axis, &column) in position.iter().enumerate() {
-                    at[axis] = number(column, "a coordinate")?;
-                }
-                Spot::Position(at)
-            }
-        };
+        let spot = columns.spot(path, &table, row)?;
         let curve = curve.map(|column| table.cell(row, column).to_owned()).filter(|name| !name.is_empty());
         Ok(Dab { place, curve, spot, colour })
     };

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use morsmooth::audit::{AuditReport, Plateaus};
-use morsmooth::geodesic::{ExactGeodesic, GeodesicError, HeatGeodesic, HeatOptions, HeatTriangles};
+use morsmooth::geodesic::{ExactGeodesic, GeodesicError, HeatBoundary, HeatGeodesic, HeatOptions, HeatTriangles};
 use morsmooth::io::{
     ArrayData, DataArray, DataSet, MaskSources, PendingFile, domain, mask, read, write_temporary,
 };
@@ -62,6 +62,10 @@ pub struct GeodesicArgs {
     /// Triangles between which heat flows on a surface.
     #[arg(long, value_enum, default_value_t = HeatTrianglesKind::Delaunay)]
     pub heat_triangles: HeatTrianglesKind,
+
+    /// What happens to heat at a boundary.
+    #[arg(long, value_enum, default_value_t = HeatBoundaryKind::Mean)]
+    pub heat_boundary: HeatBoundaryKind,
 
     /// Array whose zeros are holes in the domain.
     #[arg(long, value_name = "NAME")]
@@ -125,6 +129,28 @@ impl HeatTrianglesKind {
             Self::Given => HeatTriangles::Given,
         }
     }
+}
+
+/// Values of `--heat-boundary`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum HeatBoundaryKind {
+    /// The mean of an insulated and a cold one: closer behind holes.
+    Mean,
+    /// No heat leaves: faster, and closer on narrow parts.
+    Insulated,
+}
+
+impl HeatBoundaryKind {
+    fn boundary(self) -> HeatBoundary {
+        match self {
+            Self::Mean => HeatBoundary::Mean,
+            Self::Insulated => HeatBoundary::Insulated,
+        }
+    }
+}
+
+fn heat_options(args: &GeodesicArgs) -> HeatOptions {
+    HeatOptions { time: args.heat_time, triangles: args.heat_triangles.triangles(), boundary: args.heat_boundary.boundary() }
 }
 
 /// Distances of all vertices.
@@ -226,8 +252,7 @@ fn distances(args: &GeodesicArgs, domain: &Domain, sources: &Sources) -> Result<
     let sets = if args.each { sources.each() } else { vec![sources.points.clone()] };
     let result = match args.method {
         MethodKind::Exact => ExactGeodesic::new(complex).and_then(|exact| exact.distances_each(&sets)),
-        MethodKind::Heat => HeatGeodesic::new(complex, HeatOptions { time: args.heat_time, triangles: args.heat_triangles.triangles() })
-            .and_then(|mut heat| sets.iter().map(|set| heat.distances(set)).collect::<Result<Vec<_>, _>>()),
+        MethodKind::Heat => HeatGeodesic::new(complex, heat_options(args)).and_then(|mut heat| sets.iter().map(|set| heat.distances(set)).collect::<Result<Vec<_>, _>>()),
     };
     let found = result.map_err(|error| failure(args, domain, &error))?;
     let named = |(number, values): (usize, Vec<f64>)| match args.each {
