@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::centred::Centre;
 use super::certificate::certificate;
 use super::elastic::Verdict;
 use super::kkt::Measure;
@@ -74,6 +75,8 @@ pub(super) struct Interior<'a> {
     pub rows: Rows,
     /// The given start fulfils every row: whatever the duals seem to say, there is no contradiction.
     pub is_feasible: bool,
+    /// What the start was split with, until its first step is done.
+    pub centre: Option<Centre>,
     /// A point inside every cone that was not begun at yet.
     pub inside: Option<&'a [f64]>,
     /// The point is the minimiser without rows, fulfils every row, and is therefore the optimum, with multipliers of zero.
@@ -215,6 +218,7 @@ impl Engine {
             timings: Timings::default(),
             rows,
             is_feasible: inside.is_some(),
+            centre: None,
             inside,
             is_free: false,
             is_suspected: false,
@@ -382,6 +386,13 @@ impl Interior<'_> {
                 }
             }
             length = if without_progress > 15 { 0.0 } else { self.advance(measure.unit)? };
+            if let Some(centre) = self.centre.take().and_then(|centre| centre.after(length)) {
+                self.point.x.copy_from_slice(&best.x);
+                self.rows.slack_into(&self.point.x, &mut self.point.s);
+                centre.apply(&mut self.point.s, &mut self.point.z);
+                best_merit = f64::INFINITY;
+                continue;
+            }
             if length < 1e-9 || !self.point.is_finite() {
                 self.point.copy_from(&best);
                 Measure::of(self);
