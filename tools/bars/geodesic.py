@@ -6,8 +6,9 @@ Usage:  cargo build --release; cargo build --release --example geodesic
 Needs:  pip install numpy==2.4.6 vtk==9.7.2 pyvista==0.49.1 libigl==2.6.3 pygeodesic==0.1.11 potpourri3d==1.4.0
 
   exact    from two vertices of each mesh, beside pygeodesic      bars: 1e-6 relative everywhere; processor time at most theirs
-  heat     from the same vertices, beside potpourri3d, on the mesh as it is and on an intrinsic Delaunay triangulation of it;
-           mean errors against the exact distance                 bar: on the triangulation at most a fifth above theirs
+  heat     from the same vertices, beside potpourri3d, on the mesh as it is and on an intrinsic Delaunay triangulation of it, with
+           insulated boundaries as theirs; mean errors against the exact distance
+                                                                  bar: on the triangulation at most a tenth above theirs
   beetle   --smooth --length 2% --order 2                         bars: 1 s of processor time for the whole run (6.03 s for the
            solve alone in Jacobson 2012); extrema counted here from the file written: the maxima of the distance, places and values, one minimum
 Processor seconds of single-threaded work, the least of the runs. Exit code 1 if a bar is missed.
