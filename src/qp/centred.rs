@@ -27,7 +27,7 @@ const GAP: f64 = 0.5;
 const SPARE: f64 = 1e-3;
 
 /// A first step shorter than this was blocked: the start had too little room or force.
-const BLOCKED: f64 = 0.12;
+const FIRST_STEP: f64 = 0.12;
 
 /// More stiffness and room for the start after a blocked one. (Measured with data: 17 instead of 24 factorizations at order 2 and 250,000 unknowns; at
 /// order 3 16 instead of 21 at 58,000, 25 instead of 32 at 250,000 and 28 instead of 41 at 1,000,000. Where the first step is longer, from 0 to
@@ -104,7 +104,7 @@ impl Centre {
     /// Without data the violations are collective altogether, short first steps are usual, and more of both only takes longer.
     pub fn after(self, length: f64) -> Option<Self> {
         let again = Self { stiffness: AGAIN.0 * self.stiffness, room: AGAIN.1 * self.room, ..self };
-        (length < BLOCKED && self.share > TOGETHER).then_some(again)
+        (length < FIRST_STEP && self.share > TOGETHER).then_some(again)
     }
 
     /// Splits `s = A x + b` into slacks and duals.

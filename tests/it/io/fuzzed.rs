@@ -14,6 +14,15 @@ fn named(name: &str) -> DataArray {
     DataArray::new(name, 1, ArrayData::I16(vec![7, 8, 9]))
 }
 
+/// A table is the same after it was written and read again.
+fn comes_back(folder: &tempfile::TempDir, extension: &str, source: &str) {
+    let dataset = read_text(folder, &format!("a.{extension}"), source.as_bytes()).unwrap();
+    let to = folder.path().join(format!("b.{extension}"));
+    write(&to, &dataset).unwrap();
+    let again = read(&to).unwrap();
+    assert_eq!((again.point_count(), again.geometry, again.point_data), (dataset.point_count(), dataset.geometry, dataset.point_data), "{source:?}");
+}
+
 /// XML may leave a name empty; the words of a legacy file would slip.
 #[test]
 fn an_array_without_a_name_is_not_written_as_legacy() {
@@ -81,10 +90,7 @@ fn a_table_may_begin_with_a_bracket() {
 fn a_cell_that_begins_as_a_comment_stays_a_cell() {
     let folder = tempfile::tempdir().unwrap();
     for source in ["\"#", "\"#\"\n1\n", "name,h\n\"#1\",5\na,6\n\"#2\",7\n", "\"#a\"\tb\n1\t2\n"] {
-        let dataset = read_text(&folder, "a.csv", source.as_bytes()).unwrap();
-        write(folder.path().join("b.csv"), &dataset).unwrap();
-        let again = read(folder.path().join("b.csv")).unwrap();
-        assert_eq!((again.point_count(), &again.point_data), (dataset.point_count(), &dataset.point_data), "{source:?}");
+        comes_back(&folder, "csv", source);
     }
 }
 
@@ -162,16 +168,11 @@ fn an_empty_list_in_the_metadata_of_a_legacy_file_ends() {
 fn separators_within_names_of_columns_stay_within() {
     let folder = tempfile::tempdir().unwrap();
     for source in ["x\ta;b\n1\t2\n3\t5\n", "\"p\tq\";\"c,d\"\n1;2\n3;5\n", "\"x;y\",\"a\tb\"\n1,2\n3,5\n"] {
-        let dataset = read_text(&folder, "a.csv", source.as_bytes()).unwrap();
-        write(folder.path().join("b.csv"), &dataset).unwrap();
-        let again = read(folder.path().join("b.csv")).unwrap();
-        assert_eq!((again.geometry, again.point_data), (dataset.geometry, dataset.point_data), "{source}");
+        comes_back(&folder, "csv", source);
     }
     // The only column of a table shows no separator.
     for name in ["b,", "b;c", "b\tc"] {
-        let dataset = read_text(&folder, "a.tsv", format!("\"{name}\"\n1\n2\n").as_bytes()).unwrap();
-        write(folder.path().join("b.tsv"), &dataset).unwrap();
-        assert_eq!(read(folder.path().join("b.tsv")).unwrap().point_data, dataset.point_data, "{name}");
+        comes_back(&folder, "tsv", &format!("\"{name}\"\n1\n2\n"));
     }
 }
 
@@ -181,10 +182,7 @@ fn separators_within_names_of_columns_stay_within() {
 fn tables_that_begin_like_another_format_stay_tables() {
     let folder = tempfile::tempdir().unwrap();
     for source in ["# a\n<VTKFile 2001,b\n1,2\n", "# a\n<?xml;b\n1;2\n", "\n# vtk DataFile Version 4.2\na,b\n1,2\n", "# a\n\u{feff}<VTKFile,b\n1,2\n"] {
-        let dataset = read_text(&folder, "a.csv", source.as_bytes()).unwrap();
-        write(folder.path().join("b.csv"), &dataset).unwrap();
-        let again = read(folder.path().join("b.csv")).unwrap();
-        assert_eq!((again.geometry, again.point_data), (dataset.geometry, dataset.point_data), "{source}");
+        comes_back(&folder, "csv", source);
     }
 }
 

@@ -101,6 +101,9 @@ fn refusals_name_file_place_and_remedy() {
     refuses("far.csv", &["far.csv: line 2: the position [40.0, 4.0, 0.0] is ", "farther than its longest edge; expected a position on the mesh"]);
     refuses("bytes.csv", &["bytes.csv: line 2: found '300'; expected a number from 0 to 255"]);
     refuses("no.csv", &["no.csv: found the columns x, y; expected x, y (or point) and colour (or r, g, b)"]);
+    // A running number is no point number.
+    bench.text("numbered.csv", "id,x,y,colour\n1,40,4,#ff0000\n");
+    refuses("numbered.csv", &["numbered.csv: line 2: the position [40.0, 4.0, 0.0] is "]);
     bench.refuses(&["diffuse", "j.csv", "out.jpg", "--colours", "c.csv"], &["out.jpg: the image has another ending; expected .png"]);
     bench.refuses(&["diffuse", "j.csv", "out.png", "--colours", "c.csv", "--outside", "#fff"], &["found --outside for a shape that is no image"]);
     bench.refuses(&["diffuse", "j.csv", "out.png", "--colours", "c.csv", "--pixel", "1e-9"], &["expected 1 to 16384"]);

@@ -1,6 +1,6 @@
 //! What makes solves fast must not change their answers: starts, restarts, forks, threads.
 
-use morsmooth::qp::{Constraints, Engine, Objective, Problem, QpStatus, Settings, Solution, Term};
+use morsmooth::qp::{Constraints, Engine, Objective, Problem, Progress, QpStatus, Settings, Solution, Term};
 use rayon::prelude::*;
 
 use super::problems::{Case, Instance, Random, instance};
@@ -45,6 +45,19 @@ fn a_start_at_the_minimiser_takes_no_more_iterations_than_one_inside() {
         let outside = from(&mut engine, &made.problem, Some(&made.pinned), &Settings::default());
         assert!(outside.iterations <= inside.iterations + 1, "{case:?}: {} against {}", outside.iterations, inside.iterations);
     }
+}
+
+#[test]
+fn a_blocked_first_step_begins_again_with_more_room() {
+    let made = instance(101, 4, Case::Data, 7);
+    let mut seen = Vec::new();
+    let mut progress = |at: Progress| seen.push((at.gap, at.step));
+    let solution = engine(&made).solve(&made.problem, Some(&made.pinned), &Settings::default(), &mut progress).unwrap();
+    assert_eq!(solution.status, QpStatus::Solved, "{:?}", solution.kkt);
+    // The first step ends near the boundary; the next point is the start again, farther inside.
+    assert!(seen[1].1 < 0.12 && seen[1].0 > seen[0].0 && seen[2].1 > 0.3, "{seen:?}");
+    // 13; from the first start on 16.
+    assert!(solution.iterations <= 14, "{}", solution.iterations);
 }
 
 #[test]

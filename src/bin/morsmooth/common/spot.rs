@@ -63,10 +63,10 @@ pub struct SpotColumns {
 }
 
 impl SpotColumns {
-    /// The columns by their names.
-    pub fn named(table: &Table) -> Result<Self, Failure> {
+    /// The columns by their names: x, y and z, and those that point numbers may stand in.
+    pub fn named(table: &Table, points: &[&str]) -> Result<Self, Failure> {
         let position = ["x", "y", "z"].iter().filter_map(|name| column(table, &[name])).collect();
-        Self::new(table, column(table, &["point", "vertex", "id"]), position)
+        Self::new(table, column(table, points), position)
     }
 
     /// Columns by their numbers; a point number counts before a position.

@@ -104,7 +104,7 @@ fn table_entries(path: &Path) -> Result<Vec<Entry>, Failure> {
     let told = |error: morsmooth::io::IoError| Failure::usage(error.to_string());
     let table = Table::read_list(path).map_err(told)?;
     let (columns, value) = match (table.has_header(), table.width()) {
-        (true, _) => (SpotColumns::named(&table)?, column(&table, &["value"])),
+        (true, _) => (SpotColumns::named(&table, &["point", "vertex", "id"])?, column(&table, &["value"])),
         (false, width @ 1..=2) => (SpotColumns::new(&table, Some(0), Vec::new())?, (width > 1).then(|| width - 1)),
         (false, width @ 3..=4) => (SpotColumns::new(&table, None, (0..width - 1).collect())?, Some(width - 1)),
         (false, _) => (SpotColumns::new(&table, None, Vec::new())?, None),

@@ -104,7 +104,7 @@ pub fn parse_colour(text: &str) -> Option<Colour> {
 fn table_dabs(path: &Path) -> Result<Vec<Dab>, Failure> {
     let told = |error: morsmooth::io::IoError| Failure::usage(error.to_string());
     let table = Table::read(path).map_err(told)?;
-    let columns = SpotColumns::named(&table)?;
+    let columns = SpotColumns::named(&table, &["point", "vertex"])?;
     let (curve, colour) = (column(&table, &["curve"]), column(&table, &["colour", "color"]));
     let channels = [["r", "red"], ["g", "green"], ["b", "blue"]].map(|names| column(&table, &names));
     if !columns.are_enough(2) || colour.is_none() && channels.contains(&None) {
