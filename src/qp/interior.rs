@@ -130,10 +130,10 @@ impl Engine {
     /// [`QpError`] for a malformed problem, rows outside the pattern, or a form that is not convex.
     ///
     /// # Cost
-    /// 10 to 30 numeric factorisations and about four solves for each.
+    /// 7 to 30 numeric factorisations, and three or four solves for each.
     ///
     /// # Source
-    /// Mehrotra 1992; Gondzio 1996 (centrality correctors).
+    /// Mehrotra 1992; Gondzio 1996 (centrality correctors); Boyd et al. 2011 (splitting, see [`Settings::splitting`]).
     pub fn solve(
         &mut self,
         problem: &Problem,
@@ -230,7 +230,7 @@ impl Engine {
         let (status, iterations) = match interior.rows.contradiction.take() {
             Some(found) => (QpStatus::Infeasible(found), 0),
             None if m == 0 || interior.is_free => interior.without_rows(progress),
-            None => match interior.iterate(0, progress)? {
+            None => match interior.begin(progress)? {
                 (QpStatus::Stalled, iterations) if !interior.rows.is_polyhedral() => interior.resume(iterations, progress)?,
                 (QpStatus::Stalled, iterations) => interior.restart(iterations, progress)?,
                 ended => ended,
@@ -282,6 +282,21 @@ impl Interior<'_> {
         let measure = Measure::of(self);
         progress(measure.progress(0, 0.0), &self.point.x);
         (if measure.is_optimal(self.settings) { QpStatus::Solved } else { QpStatus::Stalled }, 0)
+    }
+
+    /// Rounds of splitting where they are likely to end sooner, iterations where those have not brought the optimum.
+    fn begin(&mut self, progress: &mut Watch<'_>) -> Result<(QpStatus, usize), QpError> {
+        match self.splitting(progress)? {
+            (QpStatus::Stalled, rounds) => self.iterate(rounds, progress),
+            ended => Ok(ended),
+        }
+    }
+
+    /// Keeps the first iterate that is near the solution, for restarts.
+    pub(super) fn keep_rough(&mut self, measure: &Measure) {
+        if self.rough.is_none() && measure.is_rough() {
+            self.rough = Some((self.point.x.clone(), self.point.z.clone(), measure.kkt.duality_gap));
+        }
     }
 
     /// Begins once more, elsewhere, after a stall far from the optimum; ends at the better of the two points.
@@ -352,9 +367,7 @@ impl Interior<'_> {
             } else {
                 without_progress += 1;
             }
-            if self.rough.is_none() && measure.is_rough() {
-                self.rough = Some((self.point.x.clone(), self.point.z.clone(), measure.kkt.duality_gap));
-            }
+            self.keep_rough(&measure);
             if measure.is_optimal(self.settings) {
                 self.hidden = 0.0;
                 return Ok((QpStatus::Solved, iteration));

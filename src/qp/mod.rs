@@ -29,6 +29,7 @@ mod product;
 mod rows;
 mod scaling;
 mod solution;
+mod splitting;
 mod start;
 mod step;
 mod system;

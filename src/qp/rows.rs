@@ -229,15 +229,18 @@ impl Rows {
     /// # Arguments
     /// * `stiffness`: d of an unknown; where it is zero, the unknown is left out.
     pub fn compliance(&self, stiffness: impl Fn(usize) -> f64) -> f64 {
-        let one = |row: usize| {
-            let (columns, values) = self.matrix.row(row);
-            let parts = columns.iter().zip(values).map(|(&column, value)| match stiffness(column as usize) {
-                d if d > 0.0 => value * value / d,
-                _ => 0.0,
-            });
-            parts.sum::<f64>()
-        };
-        (0..self.order).map(one).sum::<f64>() + self.two.compliance(&stiffness) + self.three.compliance(&stiffness)
+        let rows: f64 = (0..self.order).map(|row| self.compliance_of(row, &stiffness)).sum();
+        rows + self.two.compliance(&stiffness) + self.three.compliance(&stiffness)
+    }
+
+    /// The same of one nonnegative row.
+    pub fn compliance_of(&self, row: usize, stiffness: impl Fn(usize) -> f64) -> f64 {
+        let (columns, values) = self.matrix.row(row);
+        let parts = columns.iter().zip(values).map(|(&column, value)| match stiffness(column as usize) {
+            d if d > 0.0 => value * value / d,
+            _ => 0.0,
+        });
+        parts.sum()
     }
 
     /// `y += a Aᵀ z`, rows in order.

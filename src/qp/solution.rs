@@ -10,7 +10,7 @@ pub struct Settings {
     /// Largest stationarity and primal residual, relative (see [`KktResiduals`]), of an optimal point. With a factor in single precision the
     /// stationarity may be larger where the gap is proven all the same, see [`KktResiduals::duality_gap`].
     pub residual: f64,
-    /// Interior-point iterations before [`QpStatus::IterationLimit`]; each has one numeric factorisation.
+    /// Iterations before [`QpStatus::IterationLimit`]; each has one numeric factorisation.
     pub max_iterations: usize,
     /// Most centrality correctors (Gondzio 1996) in an iteration; a third one only where a factorisation costs many solves.
     pub correctors: usize,
@@ -19,11 +19,22 @@ pub struct Settings {
     /// A solve ends with [`QpStatus::CutOff`] once its dual objective shows that the optimum is above this: for choices among several
     /// problems, of which only the best one counts. Never, by default.
     pub cutoff: f64,
+    /// Whether a problem of nonnegative rows is first tried by rounds of splitting, where these are likely to be fewer than interior-point iterations;
+    /// from the minimiser or another point that violates rows, not from a warm start.
+    pub splitting: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { relative_gap: 1e-8, residual: 1e-8, max_iterations: 200, correctors: 3, step_fraction: 0.995, cutoff: f64::INFINITY }
+        Self {
+            relative_gap: 1e-8,
+            residual: 1e-8,
+            max_iterations: 200,
+            correctors: 3,
+            step_fraction: 0.995,
+            cutoff: f64::INFINITY,
+            splitting: true,
+        }
     }
 }
 
@@ -94,13 +105,13 @@ pub struct Timings {
     pub total: f64,
 }
 
-/// A point on the way to a solution, from which a nearby problem is solved in fewer iterations than from the solution itself: it
-/// keeps clear of the boundary.
+/// A point on the way to a solution, from which a nearby problem is solved in fewer iterations than from the solution itself: an iterate of the
+/// interior point keeps clear of the boundary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Iterate {
     /// The point, n numbers.
     pub x: Vec<f64>,
-    /// The multipliers of all rows, m positive numbers (0 for rows without free unknowns).
+    /// The multipliers of all rows, m nonnegative numbers (0 for rows without free unknowns).
     pub dual: Vec<f64>,
     /// Its relative duality gap.
     pub gap: f64,
@@ -111,7 +122,8 @@ pub struct Iterate {
 pub struct Solution {
     /// The point, n numbers; fixed unknowns have exactly their values.
     pub x: Vec<f64>,
-    /// `A x + b` at that point as the interior point keeps it, positive (definite), m numbers.
+    /// `A x + b` at that point as the solve keeps it, m numbers: nonnegative, positive (definite) unless it ended by splitting, which leaves zeros at
+    /// active rows.
     pub slack: Vec<f64>,
     /// z, the multiplier of each row, m numbers, nonnegative or scaled vectors of positive semi-definite blocks.
     pub dual: Vec<f64>,
@@ -124,7 +136,7 @@ pub struct Solution {
     pub objective: f64,
     /// Optimality of the point.
     pub kkt: KktResiduals,
-    /// Interior-point iterations.
+    /// Interior-point iterations and rounds of splitting.
     pub iterations: usize,
     /// Numeric factorisations, repeated ones included.
     pub factorizations: usize,

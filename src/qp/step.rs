@@ -109,7 +109,7 @@ impl Interior<'_> {
     }
 
     /// The Newton direction for the current residuals and goal.
-    fn direction(&mut self) -> Result<(), QpError> {
+    pub(super) fn direction(&mut self) -> Result<(), QpError> {
         self.scaling.times(&self.rows, &self.primal, &mut self.trial.s);
         for (slot, goal) in self.trial.s.iter_mut().zip(&self.goal) {
             *slot = goal - *slot;

@@ -52,12 +52,51 @@ fn a_blocked_first_step_begins_again_with_more_room() {
     let made = instance(101, 4, Case::Data, 7);
     let mut seen = Vec::new();
     let mut progress = |at: Progress| seen.push((at.gap, at.step));
-    let solution = engine(&made).solve(&made.problem, Some(&made.pinned), &Settings::default(), &mut progress).unwrap();
+    let settings = Settings { splitting: false, ..Settings::default() };
+    let solution = engine(&made).solve(&made.problem, Some(&made.pinned), &settings, &mut progress).unwrap();
     assert_eq!(solution.status, QpStatus::Solved, "{:?}", solution.kkt);
     // The first step ends near the boundary; the next point is the start again, farther inside.
     assert!(seen[1].1 < 0.12 && seen[1].0 > seen[0].0 && seen[2].1 > 0.3, "{seen:?}");
     // 13; from the first start on 16.
     assert!(solution.iterations <= 14, "{}", solution.iterations);
+}
+
+#[test]
+fn splitting_ends_at_the_optimum_of_the_interior_point_with_fewer_factorisations() {
+    let alone = Settings { splitting: false, ..Settings::default() };
+    for (case, order, most) in [(Case::Data, 2, 9), (Case::NoData, 2, 9), (Case::Smooth, 2, 8), (Case::Data, 3, 10)] {
+        let made = instance(101, order, case, 7);
+        let mut engine = engine(&made);
+        let interior = from(&mut engine, &made.problem, Some(&made.pinned), &alone);
+        let split = from(&mut engine, &made.problem, Some(&made.pinned), &Settings::default());
+        assert!((split.objective / interior.objective - 1.0).abs() < 2e-8, "{case:?}");
+        let furthest = split.x.iter().zip(&interior.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(furthest < 1e-5, "{case:?}, order {order}: {furthest:e}");
+        // Every row is active or not: a dual or a slack, never both, and no active row is violated by more than rounding leaves.
+        assert!(split.slack.iter().zip(&split.dual).all(|(s, z)| *s >= 0.0 && *z >= 0.0 && s * z == 0.0));
+        assert!(split.kkt.primal <= 1e-10 && split.kkt.stationarity <= 1e-8, "{:?}", split.kkt);
+        assert!(split.factorizations <= most.min(interior.factorizations), "{case:?}, order {order}: {}", split.factorizations);
+        assert!(split.solves < interior.solves);
+    }
+}
+
+#[test]
+fn splitting_is_not_tried_where_violations_are_collective_altogether() {
+    let made = instance(71, 3, Case::NoData, 7);
+    let alone = Settings { splitting: false, ..Settings::default() };
+    let known = from(&mut engine(&made), &made.problem, Some(&made.pinned), &alone);
+    assert!(same_bits(&known, &from(&mut engine(&made), &made.problem, Some(&made.pinned), &Settings::default())));
+}
+
+#[test]
+fn an_iteration_limit_ends_splitting_too() {
+    let made = instance(101, 2, Case::Data, 7);
+    let few = Settings { max_iterations: 2, ..Settings::default() };
+    let ended = engine(&made).solve(&made.problem, Some(&made.pinned), &few, &mut |_| {}).unwrap();
+    assert_eq!((&ended.status, ended.iterations), (&QpStatus::IterationLimit, 2));
+    // Two rounds already tell most of the rows: the objective is known to a part in a hundred.
+    let known = from(&mut engine(&made), &made.problem, Some(&made.pinned), &Settings::default());
+    assert!((ended.objective / known.objective - 1.0).abs() < 1e-2, "{} against {}", ended.objective, known.objective);
 }
 
 #[test]
