@@ -56,6 +56,10 @@ const ROUNDS: usize = 30;
 /// So many rounds without less open rows, and without a smaller residual, are the end.
 const PATIENCE: usize = 4;
 
+/// A primal residual above this, relative as measured, of which three rounds leave more than half, is that of rows that contradict each other, or nearly so:
+/// the interior point proves that in fewer factorisations.
+const STUCK: f64 = 1e-4;
+
 /// Part of the tolerance of the primal residual that is asked for, since no slack keeps an active row off its bound.
 const TIGHT: f64 = 1e-2;
 
@@ -89,6 +93,7 @@ impl Interior<'_> {
             *weight = z / s;
         }
         let (mut fewest, mut least, mut idle) = (usize::MAX, f64::INFINITY, 0);
+        let mut primal = [f64::INFINITY; 3];
         for round in 1..=ROUNDS {
             if round > self.settings.max_iterations {
                 return Ok((QpStatus::IterationLimit, round - 1));
@@ -121,6 +126,10 @@ impl Interior<'_> {
                 return Ok((QpStatus::CutOff, round));
             }
             self.keep_rough(&measure);
+            let earlier = std::mem::replace(&mut primal[round % 3], measure.kkt.primal);
+            if measure.kkt.primal > STUCK && measure.kkt.primal > 0.5 * earlier {
+                break;
+            }
             let merit = measure.merit(self.settings);
             if !merit.is_finite() {
                 break;

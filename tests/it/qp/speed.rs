@@ -1,5 +1,6 @@
 //! What makes solves fast must not change their answers: starts, restarts, forks, threads.
 
+use morsmooth::linalg::CsrMatrix;
 use morsmooth::qp::{Constraints, Engine, Objective, Problem, Progress, QpStatus, Settings, Solution, Term};
 use rayon::prelude::*;
 
@@ -86,6 +87,35 @@ fn splitting_is_not_tried_where_violations_are_collective_altogether() {
     let alone = Settings { splitting: false, ..Settings::default() };
     let known = from(&mut engine(&made), &made.problem, Some(&made.pinned), &alone);
     assert!(same_bits(&known, &from(&mut engine(&made), &made.problem, Some(&made.pinned), &Settings::default())));
+}
+
+#[test]
+fn rows_that_contradict_each_other_end_with_a_certificate_after_splitting() {
+    let mut made = instance(71, 2, Case::Data, 7);
+    let rows = &mut made.problem.constraints;
+    let (columns, _) = rows.matrix.row(3000);
+    let (a, b) = (columns[0], columns[1]);
+    // Sums of two neighbours: at least 2 and at most 1, which no order of the vertices tells.
+    let mut triplets = Vec::new();
+    for row in 0..rows.offset.len() {
+        let (columns, values) = rows.matrix.row(row);
+        triplets.extend(columns.iter().zip(values).map(|(&column, &value)| (row as u32, column, value)));
+    }
+    let m = rows.offset.len() as u32;
+    triplets.extend([(m, a, 1.0), (m, b, 1.0), (m + 1, a, -1.0), (m + 1, b, -1.0)]);
+    let matrix = CsrMatrix::from_triplets(m as usize + 2, made.problem.fixed.len(), &triplets).unwrap();
+    let offset = [&rows.offset[..], &[-2.0, 1.0]].concat();
+    made.problem.constraints = Constraints::nonnegative(matrix, offset);
+    let solve = |splitting: bool| {
+        let settings = Settings { splitting, ..Settings::default() };
+        engine(&made).solve(&made.problem, None, &settings, &mut |_| {}).unwrap()
+    };
+    let (alone, split) = (solve(false), solve(true));
+    for solution in [&alone, &split] {
+        let QpStatus::Infeasible(certificate) = &solution.status else { panic!("{:?}", solution.status) };
+        assert!([m, m + 1].iter().all(|&row| certificate.constraints.contains(&(row as usize))), "{:?}", certificate.constraints);
+    }
+    assert!(split.factorizations <= 2 * alone.factorizations, "{} against {}", split.factorizations, alone.factorizations);
 }
 
 #[test]
