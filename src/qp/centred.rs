@@ -40,7 +40,7 @@ const TOGETHER: f64 = 1e-6;
 
 /// Below this share splitting takes more rounds than the interior point takes iterations. (Measured without data: 1e-8 to 2e-6 at order 3; 3e-5 to 1e-3
 /// at order 2, where it takes two thirds.)
-const COLLECTIVELY: f64 = 1e-5;
+const LEAST_SHARE: f64 = 1e-5;
 
 /// Splits `r = A x + b` into positive slacks and duals with one product `c δ²`:
 ///
@@ -113,7 +113,7 @@ impl Centre {
 
     /// Whether closing some violations closes all of them.
     pub fn is_collective(self) -> bool {
-        self.share < COLLECTIVELY
+        self.share < LEAST_SHARE
     }
 
     /// Splits `s = A x + b` into slacks and duals.
@@ -121,10 +121,15 @@ impl Centre {
         let Self { stiffness, room, .. } = self;
         for (s, z) in s.iter_mut().zip(z) {
             let r = *s;
-            let larger = 0.5 * (r.abs() + r.hypot(2.0 * room));
+            let larger = larger_part(r, room);
             // The smaller part as a quotient, so that it keeps its digits.
             let smaller = room * (room / larger);
             (*s, *z) = if r >= 0.0 { (larger, stiffness * smaller) } else { (smaller, stiffness * larger) };
         }
     }
+}
+
+/// The larger of the two positive parts whose difference is r and whose product is the square of `room`.
+pub(super) fn larger_part(r: f64, room: f64) -> f64 {
+    0.5 * (r.abs() + r.hypot(2.0 * room))
 }

@@ -287,8 +287,8 @@ impl Interior<'_> {
     /// Rounds of splitting where they are likely to end sooner, iterations where those have not brought the optimum.
     fn begin(&mut self, progress: &mut Watch<'_>) -> Result<(QpStatus, usize), QpError> {
         match self.splitting(progress)? {
-            (QpStatus::Stalled, rounds) => self.iterate(rounds, progress),
-            ended => Ok(ended),
+            Some(ended) => Ok(ended),
+            None => self.iterate(0, progress),
         }
     }
 

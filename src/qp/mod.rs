@@ -9,6 +9,8 @@
 //! it once, and then serves minimisers without rows ([`Engine::minimise`], [`Engine::pin`]) and interior-point solves
 //! ([`Engine::solve`]) or penalty continuation ([`Engine::solve_penalty`]) with any weights, fixed sets and rows inside that pattern. It knows no mesh.
 //!
+//! Solves of many nonnegative rows begin with rounds of splitting ([`Settings::splitting`]), which find most active rows sooner.
+//!
 //! The end of a solve is a [`QpStatus`] with [`KktResiduals`] on the problem as given; only `Solved` is success.
 
 mod blocks;

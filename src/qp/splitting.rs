@@ -16,6 +16,7 @@
 
 use std::time::Instant;
 
+use super::centred::larger_part;
 use super::interior::{Interior, Watch};
 use super::kkt::Measure;
 use super::product::{add, dot};
@@ -67,24 +68,34 @@ const TIGHT: f64 = 1e-2;
 const NEAR: f64 = 1e3;
 
 impl Interior<'_> {
-    /// Solves from the start as it was split, if the problem is large and has nonnegative rows only.
+    /// Solves from the start as it was split, where that is likely to take fewer factorisations than the interior point.
     ///
     /// # Returns
-    /// How it ended, and after how many rounds. With [`QpStatus::Stalled`] the point is the start again, and the rounds are not counted.
+    /// How it ended, and after how many rounds; `None` where it did not end or was not tried, with the start as the point again.
     ///
     /// # Cost
-    /// One factorisation and three solves a round; 7 to 14 rounds measured, up to 25 on the hardest problems.
-    pub(super) fn splitting(&mut self, progress: &mut Watch<'_>) -> Result<(QpStatus, usize), QpError> {
+    /// One factorisation and three solves a round; 7 to 13 rounds measured.
+    pub(super) fn splitting(&mut self, progress: &mut Watch<'_>) -> Result<Option<(QpStatus, usize)>, QpError> {
         if !self.is_for_splitting() {
-            return Ok((QpStatus::Stalled, 0));
+            return Ok(None);
         }
         let start = self.point.clone();
+        let ended = self.rounds(progress)?;
+        if ended.is_none() {
+            self.point = start;
+            self.bounded_at = f64::INFINITY;
+        }
+        Ok(ended)
+    }
+
+    /// Rounds to the end, or until they get nowhere.
+    fn rounds(&mut self, progress: &mut Watch<'_>) -> Result<Option<(QpStatus, usize)>, QpError> {
         let mut measure = Measure::of(self);
         progress(measure.progress(0, 0.0), &self.point.x);
         let m = self.rows.len();
         let mut rounds = Rounds {
             product: dot(&self.point.s, &self.point.z) / m as f64,
-            largest: (0..m).map(|row| LARGEST / self.rows.compliance_of(row, |unknown| self.engine.diagonal_of(unknown))).collect(),
+            largest: self.largest_weights(),
             r: vec![0.0; m],
             before: vec![0.0; m],
             was_active: vec![false; m],
@@ -96,15 +107,13 @@ impl Interior<'_> {
         let mut primal = [f64::INFINITY; 3];
         for round in 1..=ROUNDS {
             if round > self.settings.max_iterations {
-                return Ok((QpStatus::IterationLimit, round - 1));
+                return Ok(Some((QpStatus::IterationLimit, round - 1)));
             }
             let open = if round > 1 { rounds.sharpen(&mut self.scaling.weights) } else { m };
-            let clock = Instant::now();
-            self.engine.reset_values();
-            self.rows.add_normal(&self.scaling, &mut self.engine.values);
-            self.engine.factor_values()?;
-            self.is_exact = false;
-            self.timings.factor += clock.elapsed().as_secs_f64();
+            // Whether P or the weights are to blame, the interior point finds out.
+            if self.factor().is_err() {
+                return Ok(None);
+            }
             let clock = Instant::now();
             for solve in 1..=SOLVES {
                 self.alternate(&mut rounds)?;
@@ -119,30 +128,28 @@ impl Interior<'_> {
             }
             self.timings.solve += clock.elapsed().as_secs_f64();
             progress(measure.progress(round, 1.0), &self.point.x);
-            if self.is_tight(&measure) || self.is_bounded(&measure)? {
-                return Ok((QpStatus::Solved, round));
+            if self.is_tight(&measure) {
+                self.hidden = 0.0;
+                return Ok(Some((QpStatus::Solved, round)));
+            }
+            if self.is_closed(&measure) && self.is_bounded(&measure)? {
+                return Ok(Some((QpStatus::Solved, round)));
             }
             if measure.is_above(self.settings.cutoff) {
-                return Ok((QpStatus::CutOff, round));
+                return Ok(Some((QpStatus::CutOff, round)));
             }
             self.keep_rough(&measure);
             let earlier = std::mem::replace(&mut primal[round % 3], measure.kkt.primal);
-            if measure.kkt.primal > STUCK && measure.kkt.primal > 0.5 * earlier {
-                break;
-            }
+            let is_stuck = measure.kkt.primal > STUCK && measure.kkt.primal > 0.5 * earlier;
             let merit = measure.merit(self.settings);
-            if !merit.is_finite() {
-                break;
-            }
             let is_better = open < fewest || merit < 0.5 * least;
             (fewest, least) = (fewest.min(open), least.min(merit));
             idle = if is_better { 0 } else { idle + 1 };
-            if idle == PATIENCE {
-                break;
+            if is_stuck || !merit.is_finite() || idle == PATIENCE {
+                return Ok(None);
             }
         }
-        self.point = start;
-        Ok((QpStatus::Stalled, 0))
+        Ok(None)
     }
 
     /// Whether rounds are likely to end sooner than iterations: large problems of nonnegative rows from a start that violates some.
@@ -154,7 +161,21 @@ impl Interior<'_> {
 
     /// Optimal, and active rows violated by next to nothing.
     fn is_tight(&self, measure: &Measure) -> bool {
-        measure.is_optimal(self.settings) && measure.kkt.primal <= TIGHT * self.settings.residual
+        measure.is_optimal(self.settings) && self.is_closed(measure)
+    }
+
+    fn is_closed(&self, measure: &Measure) -> bool {
+        measure.kkt.primal <= TIGHT * self.settings.residual
+    }
+
+    /// The largest weight of each row; where P is zero at all its unknowns, by the stiffest one of the problem.
+    fn largest_weights(&self) -> Vec<f64> {
+        let stiffest = self.engine.largest_diagonal();
+        let stiffness = |row| match self.rows.compliance_of(row, |unknown| self.engine.diagonal_of(unknown)) {
+            compliance if compliance > 0.0 => 1.0 / compliance,
+            _ => stiffest,
+        };
+        (0..self.rows.len()).map(|row| LARGEST * stiffness(row)).collect()
     }
 
     /// One step of the method with the factor at hand; the residuals must be those of the point.
@@ -208,8 +229,7 @@ impl Rounds {
         let rows = self.r.iter().zip(&self.before).zip(&mut self.was_active).zip(weights).zip(&self.largest);
         for ((((&r, before), was_active), weight), &largest) in rows {
             let room = (self.product / *weight).sqrt();
-            let larger = 0.5 * (r.abs() + r.hypot(2.0 * room));
-            let mut factor = (larger / room).powi(2);
+            let mut factor = (larger_part(r, room) / room).powi(2);
             let change = r - before;
             if change.abs() > MOVING * r.abs() && change * r > 0.0 {
                 factor *= ahead;

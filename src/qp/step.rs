@@ -47,17 +47,11 @@ const EXACT: f64 = 1e-8;
 impl Interior<'_> {
     /// One iteration, with gaps relative to `unit`; returns the step length, 0 where the point has left the cone by rounding.
     pub(super) fn advance(&mut self, unit: f64) -> Result<f64, QpError> {
-        let clock = Instant::now();
         if !self.scaling.update(&self.rows, &self.point) {
             return Ok(0.0);
         }
-        self.engine.reset_values();
-        self.rows.add_normal(&self.scaling, &mut self.engine.values);
-        self.engine.factor_values()?;
-        self.is_exact = false;
-        self.timings.factor += clock.elapsed().as_secs_f64();
+        self.factor()?;
         let clock = Instant::now();
-
         let degree = self.rows.degree() as f64;
         let mu = dot(&self.point.s, &self.point.z) / degree;
         // Predictor: the Newton step to complementarity zero.
@@ -93,6 +87,17 @@ impl Interior<'_> {
         self.point.add(length, &self.step);
         self.timings.solve += clock.elapsed().as_secs_f64();
         Ok(length)
+    }
+
+    /// Factors the normal equations `P + Aᵀ V A` of the present scaling.
+    pub(super) fn factor(&mut self) -> Result<(), QpError> {
+        let clock = Instant::now();
+        self.engine.reset_values();
+        self.rows.add_normal(&self.scaling, &mut self.engine.values);
+        self.engine.factor_values()?;
+        self.is_exact = false;
+        self.timings.factor += clock.elapsed().as_secs_f64();
+        Ok(())
     }
 
     /// Counted, not timed, so that the same input gives the same bits.
@@ -148,9 +153,7 @@ impl Interior<'_> {
         }
         self.is_exact = self.rows.is_polyhedral() && taken == 1 && reached <= EXACT;
         if reached > POOR && self.engine.escalate() {
-            self.engine.reset_values();
-            self.rows.add_normal(&self.scaling, &mut self.engine.values);
-            self.engine.factor_values()?;
+            self.factor()?;
             return self.newton();
         }
         Ok(())
