@@ -2,6 +2,7 @@
 
 use super::multifrontal::Kind;
 use super::numeric::Numeric;
+use super::compliance::{Compliance, SparseRow};
 use super::{FactorError, SymbolicCholesky};
 
 /// A factor `L D Lᵀ` of a symmetric indefinite matrix, D with blocks of one and two.
@@ -36,5 +37,17 @@ impl Lblt {
     /// * `sides`: any number of right-hand sides of `n` numbers, one after the other.
     pub fn solve_in_place(&mut self, symbolic: &SymbolicCholesky, sides: &mut [f64]) {
         self.0.solve_in_place(symbolic, sides);
+    }
+
+    /// Adds rows to the compliance `B A⁻¹ Bᵀ`.
+    ///
+    /// # Arguments
+    /// * `compliance`: empty, or of rows that were added with the same numeric factor.
+    /// * `rows`: coefficients of unknowns; rows that share unknowns are best neighbours.
+    ///
+    /// # Cost
+    /// A row goes through the columns of the factor between its unknowns and the root, and once more with each row that meets it there.
+    pub fn comply(&self, symbolic: &SymbolicCholesky, compliance: &mut Compliance, rows: &[SparseRow]) {
+        self.0.comply(symbolic, compliance, rows);
     }
 }

@@ -7,6 +7,8 @@
 
 mod assembly;
 mod cholesky;
+mod compliance;
+mod dense;
 mod dissection;
 mod error;
 mod front;
@@ -26,6 +28,8 @@ mod tasks;
 mod value;
 
 pub use cholesky::{Cholesky, Factor};
+pub use compliance::{Compliance, SparseRow};
+pub use dense::solve_symmetric;
 pub use error::FactorError;
 pub use indefinite::Lblt;
 pub use ordering::{fill_reducing_order, minimum_degree, nested_dissection};

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::multifrontal::{Kind, Multifrontal, Part};
+use super::compliance::{Compliance, SparseRow, Triangular};
 use super::pivoting::Pivots;
 use super::pool::Pool;
 use super::substitution::Substitution;
@@ -60,6 +61,12 @@ impl<T: Value> Numeric<T> {
         let pivots = Pivots { couplings: &mut self.couplings, order: &mut self.order, inverse: &mut self.inverse };
         let part = Part { values: &mut self.values, pivots };
         multifrontal.run(&symbolic.task, part).map_err(|column| symbolic.order().order()[column] as usize)
+    }
+
+    /// Adds rows to a compliance with this factor.
+    pub fn comply(&self, symbolic: &SymbolicCholesky, compliance: &mut Compliance, rows: &[SparseRow]) {
+        let pivots = (!self.order.is_empty()).then_some((&self.couplings[..], &self.order[..]));
+        compliance.extend(&Triangular { symbolic, values: &self.values, pivots }, rows);
     }
 
     /// Overwrites right-hand sides of `n` numbers, one after the other, with their solutions.

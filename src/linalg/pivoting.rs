@@ -67,14 +67,14 @@ pub(super) struct Blocks<'a, T> {
 }
 
 /// The inverse of one block of D: a number, or the three of a symmetric 2 x 2 matrix.
-pub(super) enum Inverse<T> {
+enum Inverse<T> {
     One(T),
     Two([T; 3]),
 }
 
 impl<T: Value> Blocks<'_, T> {
     /// The inverse of the block that begins at a place.
-    pub fn inverse(&self, place: usize) -> Inverse<T> {
+    fn inverse(&self, place: usize) -> Inverse<T> {
         let one = T::of(1.0);
         let first = self.top[(place, place)];
         let coupling = self.couplings[place];
@@ -85,6 +85,29 @@ impl<T: Value> Blocks<'_, T> {
         let (a, c) = (first / coupling, self.top[(place + 1, place + 1)] / coupling);
         let scale = one / ((a * c - one) * coupling);
         Inverse::Two([c * scale, T::of(0.0) - scale, a * scale])
+    }
+
+    /// `to := inverse(D) from`.
+    pub fn divide(&self, from: MatRef<'_, T>, mut to: MatMut<'_, T>) {
+        let mut place = 0;
+        while place < self.couplings.len() {
+            match self.inverse(place) {
+                Inverse::One(inverse) => {
+                    for side in 0..from.ncols() {
+                        to[(place, side)] = from[(place, side)] * inverse;
+                    }
+                    place += 1;
+                }
+                Inverse::Two([a, b, c]) => {
+                    for side in 0..from.ncols() {
+                        let (first, second) = (from[(place, side)], from[(place + 1, side)]);
+                        to[(place, side)] = first * a + second * b;
+                        to[(place + 1, side)] = first * b + second * c;
+                    }
+                    place += 2;
+                }
+            }
+        }
     }
 
     fn first_bad(&self) -> Option<usize> {
@@ -116,29 +139,10 @@ fn rows_below<T: Value>(rows: MatMut<'_, T>, scaled: MatMut<'_, T>, blocks: Bloc
         );
         return;
     }
-    let (mut rows, mut scaled) = (rows, scaled);
+    let mut scaled = scaled;
     for (place, &column) in order.iter().enumerate() {
         scaled.rb_mut().col_mut(place).copy_from(rows.rb().col(column as usize));
     }
     solve_unit_lower_triangular_in_place(blocks.top, scaled.rb_mut().transpose_mut(), Par::Seq);
-    let count = rows.nrows();
-    let mut place = 0;
-    while place < order.len() {
-        match blocks.inverse(place) {
-            Inverse::One(inverse) => {
-                for row in 0..count {
-                    rows[(row, place)] = scaled[(row, place)] * inverse;
-                }
-                place += 1;
-            }
-            Inverse::Two([a, b, c]) => {
-                for row in 0..count {
-                    let (first, second) = (scaled[(row, place)], scaled[(row, place + 1)]);
-                    rows[(row, place)] = first * a + second * b;
-                    rows[(row, place + 1)] = first * b + second * c;
-                }
-                place += 2;
-            }
-        }
-    }
+    blocks.divide(scaled.rb().transpose(), rows.transpose_mut());
 }

@@ -13,7 +13,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 use super::assembly::{Assembly, NONE};
-use super::pivoting::{Blocks, Inverse};
+use super::pivoting::Blocks;
 use super::pool::Pool;
 use super::tasks::{Places, Task};
 use super::Value;
@@ -296,26 +296,7 @@ fn forward_with_pivots<T: Value, const W: usize>(
     let (mut solved, passed) = MatMut::from_column_major_slice_mut(local, height, W).split_at_row_mut(width);
     solve_unit_lower_triangular_in_place(top, solved.rb_mut(), Par::Seq);
     matmul(passed, Accum::Add, bottom, solved.rb(), T::of(-1.0), Par::Seq);
-    let blocks = Blocks { top, couplings };
-    let mut place = 0;
-    while place < width {
-        match blocks.inverse(place) {
-            Inverse::One(inverse) => {
-                for side in 0..W {
-                    here[place * W + side] = solved[(place, side)] * inverse;
-                }
-                place += 1;
-            }
-            Inverse::Two([a, b, c]) => {
-                for side in 0..W {
-                    let (first, second) = (solved[(place, side)], solved[(place + 1, side)]);
-                    here[place * W + side] = first * a + second * b;
-                    here[(place + 1) * W + side] = first * b + second * c;
-                }
-                place += 2;
-            }
-        }
-    }
+    Blocks { top, couplings }.divide(solved.rb(), MatMut::from_row_major_slice_mut(here, width, W));
 }
 
 fn backward_with_pivots<T: Value, const W: usize>(columns: &[T], (height, width): (usize, usize), local: &mut [T]) {

@@ -24,6 +24,9 @@ const PATIENCE: usize = 4;
 /// So many short steps in a row are enough to begin anew where a point inside every cone is known.
 const DETOUR: usize = 3;
 
+/// Relative gap and residuals at which rows are first decided, and the share of them at which they are decided again if that was too soon.
+const DECIDABLE: (f64, f64) = (1e-3, 1e-2);
+
 /// What the caller of [`Engine::solve_watched`] knows of a problem.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Known<'a> {
@@ -83,6 +86,8 @@ pub(super) struct Interior<'a> {
     pub is_free: bool,
     /// The elastic problem has been solved already.
     pub is_suspected: bool,
+    /// Relative gap and residuals at which rows are next decided.
+    pub decide_at: f64,
     /// Relative stationarity at which [`Interior::is_bounded`] was asked last.
     pub bounded_at: f64,
     /// What it found the residual to hide of the gap, relative.
@@ -130,10 +135,10 @@ impl Engine {
     /// [`QpError`] for a malformed problem, rows outside the pattern, or a form that is not convex.
     ///
     /// # Cost
-    /// 7 to 30 numeric factorisations, and three or four solves for each.
+    /// 3 to 30 numeric factorisations, and three to eight solves for each.
     ///
     /// # Source
-    /// Mehrotra 1992; Gondzio 1996 (centrality correctors); Boyd et al. 2011 (splitting, see [`Settings::splitting`]).
+    /// Mehrotra 1992; Gondzio 1996 (centrality correctors); Boyd et al. 2011 and Gill et al. 1990 (splitting and deciding, see [`Settings::splitting`]).
     pub fn solve(
         &mut self,
         problem: &Problem,
@@ -222,6 +227,7 @@ impl Engine {
             inside,
             is_free: false,
             is_suspected: false,
+            decide_at: DECIDABLE.0,
             bounded_at: f64::INFINITY,
             hidden: 0.0,
             engine: self,
@@ -287,9 +293,26 @@ impl Interior<'_> {
     /// Rounds of splitting where they are likely to end sooner, iterations where those have not brought the optimum.
     fn begin(&mut self, progress: &mut Watch<'_>) -> Result<(QpStatus, usize), QpError> {
         match self.splitting(progress)? {
-            Some(ended) => Ok(ended),
-            None => self.iterate(0, progress),
+            (Some(status), rounds) => Ok((status, rounds)),
+            (None, rounds) => self.iterate(rounds, progress),
         }
+    }
+
+    /// Decides rows by an iterate that is near the optimum: active is what has a larger dual than slack, in units of P.
+    fn decide_if_near(
+        &mut self,
+        measure: &Measure,
+        iteration: usize,
+        progress: &mut Watch<'_>,
+    ) -> Result<Option<(QpStatus, usize)>, QpError> {
+        let kkt = &measure.kkt;
+        if kkt.duality_gap.max(kkt.primal).max(kkt.stationarity) > self.decide_at || !self.is_for_deciding() {
+            return Ok(None);
+        }
+        self.decide_at = DECIDABLE.0.min(DECIDABLE.1 * kkt.duality_gap.max(kkt.primal).max(kkt.stationarity));
+        let parts = self.point.s.iter().zip(&self.point.z).zip(self.stiffness());
+        let decision = parts.map(|((s, z), stiffness)| *z > stiffness * s).collect();
+        self.decide(decision, iteration, progress)
     }
 
     /// Keeps the first iterate that is near the solution, for restarts.
@@ -358,7 +381,10 @@ impl Interior<'_> {
         let mut blocked = 0;
         for iteration in first..=self.settings.max_iterations {
             let measure = Measure::of(self);
-            progress(measure.progress(iteration, length), &self.point.x);
+            // What was shown before this start is shown once.
+            if iteration > first || first == 0 {
+                progress(measure.progress(iteration, length), &self.point.x);
+            }
             let merit = measure.merit(self.settings);
             if merit < best_merit {
                 without_progress = if merit < 0.9 * best_merit { 0 } else { without_progress + 1 };
@@ -385,6 +411,9 @@ impl Interior<'_> {
             }
             if iteration == self.settings.max_iterations {
                 return Ok((QpStatus::IterationLimit, iteration));
+            }
+            if let Some(ended) = self.decide_if_near(&measure, iteration, progress)? {
+                return Ok(ended);
             }
             blocked = if length < BLOCKED && iteration > first { blocked + 1 } else { 0 };
             if blocked >= DETOUR && self.inside.is_some() {
@@ -424,7 +453,9 @@ impl Interior<'_> {
         let mut slack = self.problem.constraints.matrix.multiply(&self.point.x);
         add(&mut slack, 1.0, &self.problem.constraints.offset);
         let mut dual = vec![0.0; total];
-        let mut restart = self.rough.map(|(x, z, gap)| (Iterate { x, dual: vec![0.0; total], gap }, z));
+        let decided = || (self.point.x.clone(), self.point.z.clone(), measure.kkt.duality_gap);
+        let rough = self.rough.or_else(|| (status == QpStatus::Solved).then(decided));
+        let mut restart = rough.map(|(x, z, gap)| (Iterate { x, dual: vec![0.0; total], gap }, z));
         for (row, &original) in self.rows.original.iter().enumerate() {
             slack[original as usize] = self.point.s[row];
             dual[original as usize] = self.point.z[row];

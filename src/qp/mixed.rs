@@ -12,7 +12,7 @@
 //! whatever the order of the vertices. M is divided by its mean m, and everything but H is multiplied by `scale / m^(order - 1)`:
 //! then all blocks but H are of one size.
 
-use crate::linalg::{CsrMatrix, FactorError, Lblt, Permutation, SymbolicCholesky, fill_reducing_order};
+use crate::linalg::{Compliance, CsrMatrix, FactorError, Lblt, Permutation, SparseRow, SymbolicCholesky, fill_reducing_order};
 
 use super::{Objective, Term};
 
@@ -210,6 +210,11 @@ impl Mixed {
             FactorError::SingularPivot { unknown } => FactorError::SingularPivot { unknown: unknown / self.layout.order },
             other => other,
         })
+    }
+
+    /// Adds rows, whose unknowns are those of the system, to a compliance.
+    pub fn comply(&self, symbolic: &SymbolicCholesky, compliance: &mut Compliance, rows: &[SparseRow]) {
+        self.factor.comply(symbolic, compliance, rows);
     }
 
     /// Overwrites right-hand sides of x, the others being zero, with the solution's x.

@@ -9,7 +9,8 @@
 //! it once, and then serves minimisers without rows ([`Engine::minimise`], [`Engine::pin`]) and interior-point solves
 //! ([`Engine::solve`]) or penalty continuation ([`Engine::solve_penalty`]) with any weights, fixed sets and rows inside that pattern. It knows no mesh.
 //!
-//! Solves of many nonnegative rows begin with rounds of splitting ([`Settings::splitting`]), which find most active rows sooner.
+//! Solves with nonnegative rows only begin with rounds of splitting, which find most active rows sooner than interior-point iterations, and
+//! end by deciding which rows are active and mending wrong decisions with the factor at hand ([`Settings::splitting`]).
 //!
 //! The end of a solve is a [`QpStatus`] with [`KktResiduals`] on the problem as given; only `Solved` is success.
 
@@ -17,12 +18,15 @@ mod blocks;
 mod bound;
 mod centred;
 mod certificate;
+mod complementarity;
 mod conflict;
+mod deciding;
 mod elastic;
 mod engine;
 mod error;
 mod interior;
 mod kkt;
+mod mending;
 mod mixed;
 mod penalty;
 mod pinned;

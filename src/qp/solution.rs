@@ -19,8 +19,8 @@ pub struct Settings {
     /// A solve ends with [`QpStatus::CutOff`] once its dual objective shows that the optimum is above this: for choices among several
     /// problems, of which only the best one counts. Never, by default.
     pub cutoff: f64,
-    /// Whether a problem of nonnegative rows is first tried by rounds of splitting, where these are likely to be fewer than interior-point iterations;
-    /// from the minimiser or another point that violates rows, not from a warm start.
+    /// Whether problems of nonnegative rows may be begun with rounds of splitting and ended by deciding which rows are active, where that is likely to
+    /// take fewer factorisations; if not, the interior point does all. Warm starts decide at once.
     pub splitting: bool,
 }
 
@@ -122,13 +122,13 @@ pub struct Iterate {
 pub struct Solution {
     /// The point, n numbers; fixed unknowns have exactly their values.
     pub x: Vec<f64>,
-    /// `A x + b` at that point as the solve keeps it, m numbers: nonnegative, positive (definite) unless it ended by splitting, which leaves zeros at
-    /// active rows.
+    /// `A x + b` at that point as the solve keeps it, m numbers: nonnegative, positive (definite) unless it ended with decided rows: then zero at
+    /// active ones.
     pub slack: Vec<f64>,
     /// z, the multiplier of each row, m numbers, nonnegative or scaled vectors of positive semi-definite blocks.
     pub dual: Vec<f64>,
-    /// The first iterate with a relative gap and residuals below 1e-3, for [`Engine::solve_warm`](super::Engine::solve_warm) on the next
-    /// problem; `None` if no iterate came that near.
+    /// The first iterate with a relative gap and residuals below 1e-3, or the solution where rows were decided before, for
+    /// [`Engine::solve_warm`](super::Engine::solve_warm) on the next problem; `None` if no iterate came that near.
     pub restart: Option<Iterate>,
     /// How the solve ended.
     pub status: QpStatus,
@@ -136,7 +136,7 @@ pub struct Solution {
     pub objective: f64,
     /// Optimality of the point.
     pub kkt: KktResiduals,
-    /// Interior-point iterations and rounds of splitting.
+    /// Interior-point iterations, rounds of splitting and rounds of decided rows; not those that were taken back.
     pub iterations: usize,
     /// Numeric factorisations, repeated ones included.
     pub factorizations: usize,

@@ -11,6 +11,8 @@
 //! the rows that will be active and small for the others, which is what the weights z/s of an interior point become. So each round sharpens the
 //! weights as if slacks and duals were split from r with a product μ, and a round has a tenth of the product of the one before.
 //!
+//! Once few rows change between active and not, they are decided ([`super::deciding`]), which ends most solves.
+//!
 //! Sources: Gabay and Mercier 1976; Boyd, Parikh, Chu, Peleato and Eckstein 2011, *Distributed optimization and statistical learning via the
 //! alternating direction method of multipliers*, section 3.4.1 (weights that vary). The weights of a central path are ours.
 
@@ -22,22 +24,11 @@ use super::kkt::Measure;
 use super::product::{add, dot};
 use super::{QpError, QpStatus};
 
-/// Below so many unknowns a factorisation costs little more than the solves that save it.
-const SMALL: usize = 4_000;
-
-/// With more rows the rounds are as many as the iterations, or more, if there is data. (Measured at order 2 and 250,000 unknowns: 23 rounds against 17
-/// iterations with noisy data, 16 against 14 with data kept smooth; without data 9 against 14.)
-const MANY: usize = 150_000;
-
-/// Solves with each factor. (Measured on twelve problems from 15,000 to 250,000 unknowns: with 2 a fifth more factorisations, with 4 a tenth less.)
+/// Solves with each factor while the weights sharpen. (Measured on nine problems of order 2 from 15,000 to 250,000 unknowns, with 2: a tenth more factorisations, the same time.)
 const SOLVES: usize = 3;
 
-/// The product of a round over that of the one before it: while rows change between active and not, and once few do. (Measured: 0.3 for the first
-/// takes a third more rounds; with 0.03 some rows become certain too early, and take long to change.)
-const SHARPER: (f64, f64) = (0.1, 1e-2);
-
-/// Few rows, as a share of all.
-const FEW: f64 = 1e-3;
+/// The product of a round over that of the one before it. (Measured: 0.03 and 0.01 take as many rounds or more.)
+const SHARPER: f64 = 0.1;
 
 /// Largest weight of a row, over the stiffness that P sets against closing it alone: enough for a residual a thousandth at each solve.
 const LARGEST: f64 = 1e3;
@@ -48,8 +39,11 @@ const LEAST: f64 = 1e-30;
 /// A row whose r changes in the last step by more than this share of it is on its way.
 const MOVING: f64 = 0.05;
 
-/// A row that moves away from its bound, or deeper into it, has its weight changed by this factor on top; again while rows change, and once few do.
-const AHEAD: (f64, f64) = (10.0, 1e3);
+/// A row that moves away from its bound, or deeper into it, has its weight changed by this factor on top.
+const AHEAD: f64 = 10.0;
+
+/// Where rows were decided too soon, they are decided again when this share of as many change.
+const FEWER: usize = 4;
 
 /// Most rounds.
 const ROUNDS: usize = 30;
@@ -61,82 +55,77 @@ const PATIENCE: usize = 4;
 /// the interior point proves that in fewer factorisations. (Hard problems of order 3 leave more than half of 1e-3 now and then.)
 const STUCK: f64 = 1e-2;
 
-/// Part of the tolerance of the primal residual that is asked for, since no slack keeps an active row off its bound.
-const TIGHT: f64 = 1e-2;
-
-/// Where the largest residual over its tolerance is below this, it is measured after each solve.
-const NEAR: f64 = 1e3;
-
 impl Interior<'_> {
     /// Solves from the start as it was split, where that is likely to take fewer factorisations than the interior point.
     ///
     /// # Returns
-    /// How it ended, and after how many rounds; `None` where it did not end or was not tried, with the start as the point again.
+    /// How it ended, `None` where it did not or was not tried, with the start as the point again; and the number of rounds.
     ///
     /// # Cost
-    /// One factorisation and three solves a round; 7 to 13 rounds measured.
-    pub(super) fn splitting(&mut self, progress: &mut Watch<'_>) -> Result<Option<(QpStatus, usize)>, QpError> {
+    /// One factorisation and three solves a round, and those of [`Interior::decide`]; 3 to 9 factorisations measured.
+    pub(super) fn splitting(&mut self, progress: &mut Watch<'_>) -> Result<(Option<QpStatus>, usize), QpError> {
         if !self.is_for_splitting() {
-            return Ok(None);
+            return Ok((None, 0));
         }
         let start = self.point.clone();
         let ended = self.rounds(progress)?;
-        if ended.is_none() {
+        if ended.0.is_none() {
             self.point = start;
-            self.bounded_at = f64::INFINITY;
         }
         Ok(ended)
     }
 
+    /// Whether rounds are likely to end sooner than iterations: from a start that violates rows, not all of them together.
+    fn is_for_splitting(&self) -> bool {
+        self.is_for_deciding() && self.centre.is_some_and(|centre| !centre.is_collective())
+    }
+
     /// Rounds to the end, or until they get nowhere.
-    fn rounds(&mut self, progress: &mut Watch<'_>) -> Result<Option<(QpStatus, usize)>, QpError> {
+    fn rounds(&mut self, progress: &mut Watch<'_>) -> Result<(Option<QpStatus>, usize), QpError> {
         let mut measure = Measure::of(self);
         progress(measure.progress(0, 0.0), &self.point.x);
-        let m = self.rows.len();
-        let mut rounds = Rounds {
-            product: dot(&self.point.s, &self.point.z) / m as f64,
-            largest: self.largest_weights(),
-            r: vec![0.0; m],
-            before: vec![0.0; m],
-            was_active: vec![false; m],
-        };
-        for ((weight, z), s) in self.scaling.weights.iter_mut().zip(&self.point.z).zip(&self.point.s) {
-            *weight = z / s;
-        }
+        let mut rounds = self.first_round();
+        let mut few = self.few();
         let (mut fewest, mut least, mut idle) = (usize::MAX, f64::INFINITY, 0);
         let mut primal = [f64::INFINITY; 3];
         for round in 1..=ROUNDS {
             if round > self.settings.max_iterations {
-                return Ok(Some((QpStatus::IterationLimit, round - 1)));
+                return Ok((Some(QpStatus::IterationLimit), round - 1));
             }
-            let open = if round > 1 { rounds.sharpen(&mut self.scaling.weights) } else { m };
+            let mut open = self.rows.len();
+            if round > 1 {
+                open = rounds.open();
+                if open <= few {
+                    let decision = rounds.r.iter().map(|&r| r < 0.0).collect();
+                    let weights = self.scaling.weights.clone();
+                    if let Some((status, rounds)) = self.decide(decision, round - 1, progress)? {
+                        return Ok((Some(status), rounds));
+                    }
+                    self.scaling.weights = weights;
+                    few = open / FEWER;
+                }
+                rounds.sharpen(&mut self.scaling.weights);
+            }
             // Whether P or the weights are to blame, the interior point finds out.
             if self.factor().is_err() {
-                return Ok(None);
+                return Ok((None, round - 1));
             }
             let clock = Instant::now();
             for solve in 1..=SOLVES {
                 self.alternate(&mut rounds)?;
-                if solve == SOLVES || measure.merit(self.settings) < NEAR {
-                    measure = Measure::of(self);
-                    if self.is_tight(&measure) {
-                        break;
-                    }
-                } else {
+                if solve < SOLVES {
                     self.residuals();
                 }
             }
+            measure = Measure::of(self);
             self.timings.solve += clock.elapsed().as_secs_f64();
             progress(measure.progress(round, 1.0), &self.point.x);
             if self.is_tight(&measure) {
                 self.hidden = 0.0;
-                return Ok(Some((QpStatus::Solved, round)));
-            }
-            if self.is_closed(&measure) && self.is_bounded(&measure)? {
-                return Ok(Some((QpStatus::Solved, round)));
+                return Ok((Some(QpStatus::Solved), round));
             }
             if measure.is_above(self.settings.cutoff) {
-                return Ok(Some((QpStatus::CutOff, round)));
+                return Ok((Some(QpStatus::CutOff), round));
             }
             self.keep_rough(&measure);
             let earlier = std::mem::replace(&mut primal[round % 3], measure.kkt.primal);
@@ -146,36 +135,25 @@ impl Interior<'_> {
             (fewest, least) = (fewest.min(open), least.min(merit));
             idle = if is_better { 0 } else { idle + 1 };
             if is_stuck || !merit.is_finite() || idle == PATIENCE {
-                return Ok(None);
+                return Ok((None, round));
             }
         }
-        Ok(None)
+        Ok((None, ROUNDS))
     }
 
-    /// Whether rounds are likely to end sooner than iterations: large problems of nonnegative rows from a start that violates some.
-    fn is_for_splitting(&self) -> bool {
-        let is_wanted = self.settings.splitting && self.point.x.len() >= SMALL;
-        let is_of_size = self.rows.len() <= MANY || self.problem.objective.linear.iter().all(|&q| q == 0.0);
-        is_wanted && is_of_size && self.centre.is_some_and(|centre| !centre.is_collective())
-    }
-
-    /// Optimal, and active rows violated by next to nothing.
-    fn is_tight(&self, measure: &Measure) -> bool {
-        measure.is_optimal(self.settings) && self.is_closed(measure)
-    }
-
-    fn is_closed(&self, measure: &Measure) -> bool {
-        measure.kkt.primal <= TIGHT * self.settings.residual
-    }
-
-    /// The largest weight of each row; where P is zero at all its unknowns, by the stiffest one of the problem.
-    fn largest_weights(&self) -> Vec<f64> {
-        let stiffest = self.engine.largest_diagonal();
-        let stiffness = |row| match self.rows.compliance_of(row, |unknown| self.engine.diagonal_of(unknown)) {
-            compliance if compliance > 0.0 => 1.0 / compliance,
-            _ => stiffest,
-        };
-        (0..self.rows.len()).map(|row| LARGEST * stiffness(row)).collect()
+    /// The weights of the start.
+    fn first_round(&mut self) -> Rounds {
+        let m = self.rows.len();
+        for ((weight, z), s) in self.scaling.weights.iter_mut().zip(&self.point.z).zip(&self.point.s) {
+            *weight = z / s;
+        }
+        Rounds {
+            product: dot(&self.point.s, &self.point.z) / m as f64,
+            stiffness: self.stiffness(),
+            r: vec![0.0; m],
+            before: vec![0.0; m],
+            was_active: vec![false; m],
+        }
     }
 
     /// One step of the method with the factor at hand; the residuals must be those of the point.
@@ -209,8 +187,8 @@ impl Interior<'_> {
 struct Rounds {
     /// Product of slack and dual that the weights of a round belong to.
     product: f64,
-    /// Largest weights.
-    largest: Vec<f64>,
+    /// What P sets against closing each row alone.
+    stiffness: Vec<f64>,
     /// r after the last step: a slack where it is positive, minus a dual over the weight where it is negative.
     r: Vec<f64>,
     /// r after the step before that.
@@ -220,23 +198,25 @@ struct Rounds {
 }
 
 impl Rounds {
-    /// The weights of the next round; returns the number of rows that changed between active and not since the last one.
-    fn sharpen(&mut self, weights: &mut [f64]) -> usize {
-        let open = self.r.iter().zip(&self.was_active).filter(|(r, was_active)| (**r < 0.0) != **was_active).count();
-        let (sharper, ahead) =
-            if open as f64 > FEW * self.r.len() as f64 { (SHARPER.0, AHEAD.0) } else { (SHARPER.1, AHEAD.1) };
-        self.product *= sharper;
-        let rows = self.r.iter().zip(&self.before).zip(&mut self.was_active).zip(weights).zip(&self.largest);
-        for ((((&r, before), was_active), weight), &largest) in rows {
+    /// Number of rows that changed between active and not since the weights were last chosen.
+    fn open(&self) -> usize {
+        self.r.iter().zip(&self.was_active).filter(|(r, was_active)| (**r < 0.0) != **was_active).count()
+    }
+
+    /// The weights of the next round.
+    fn sharpen(&mut self, weights: &mut [f64]) {
+        self.product *= SHARPER;
+        let rows = self.r.iter().zip(&self.before).zip(&mut self.was_active).zip(weights).zip(&self.stiffness);
+        for ((((&r, before), was_active), weight), &stiffness) in rows {
             let room = (self.product / *weight).sqrt();
             let mut factor = (larger_part(r, room) / room).powi(2);
             let change = r - before;
             if change.abs() > MOVING * r.abs() && change * r > 0.0 {
-                factor *= ahead;
+                factor *= AHEAD;
             }
+            let largest = LARGEST * stiffness;
             *weight = if r < 0.0 { (*weight * factor).min(largest) } else { (*weight / factor).max(LEAST * largest) };
             *was_active = r < 0.0;
         }
-        open
     }
 }

@@ -147,6 +147,8 @@ fn rows_only(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(), QpErro
             let known = dual[original as usize].max(0.0);
             interior.point.z[row] = known.max(WARM_FLOOR * level);
         }
+        // Which rows are active is known as well as it ever was.
+        interior.decide_at = f64::INFINITY;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The factor of an engine: formed or mixed, in double or in single precision.
 
-use crate::linalg::{Cholesky, Factor, FactorError, SymbolicCholesky};
+use crate::linalg::{Cholesky, Compliance, Factor, FactorError, SparseRow, SymbolicCholesky};
 
 use super::mixed::{Layout, Mixed};
 use super::Engine;
@@ -70,6 +70,18 @@ impl System {
             Self::Formed(factor) => factor.solve_in_place(symbolic, sides),
             Self::Single(factor) => factor.solve_in_place(symbolic, sides),
             Self::Mixed(factor) => factor.solve_in_place(symbolic, sides),
+        }
+    }
+
+    /// Adds rows of coefficients of x to a compliance with this factor.
+    pub fn comply(&self, symbolic: &SymbolicCholesky, compliance: &mut Compliance, rows: &mut [SparseRow]) {
+        for (unknown, _) in rows.iter_mut().flatten() {
+            *unknown = self.unknown(*unknown as usize) as u32;
+        }
+        match self {
+            Self::Formed(factor) => factor.comply(symbolic, compliance, rows),
+            Self::Single(factor) => factor.comply(symbolic, compliance, rows),
+            Self::Mixed(factor) => factor.comply(symbolic, compliance, rows),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Orderings, factorisations and products of sparse matrices.
 
 mod cholesky;
+mod compliance;
 mod factors;
 mod indefinite;
 mod ordering;

@@ -63,30 +63,44 @@ fn a_blocked_first_step_begins_again_with_more_room() {
 }
 
 #[test]
-fn splitting_ends_at_the_optimum_of_the_interior_point_with_fewer_factorisations() {
+fn decided_rows_end_at_the_optimum_of_the_interior_point_with_fewer_factorisations() {
     let alone = Settings { splitting: false, ..Settings::default() };
-    for (case, order, most) in [(Case::Data, 2, 9), (Case::NoData, 2, 9), (Case::Smooth, 2, 8), (Case::Data, 3, 10)] {
-        let made = instance(101, order, case, 7);
+    for (side, case, order, most) in [
+        (101, Case::Data, 2, 6),
+        (101, Case::NoData, 2, 6),
+        (101, Case::Smooth, 2, 5),
+        (101, Case::Data, 3, 6),
+        (101, Case::NoData, 3, 8),
+        (45, Case::Data, 4, 5),
+        (25, Case::Data, 2, 5),
+        (19, Case::NoData, 1, 5),
+    ] {
+        let made = instance(side, order, case, 7);
         let mut engine = engine(&made);
         let interior = from(&mut engine, &made.problem, Some(&made.pinned), &alone);
-        let split = from(&mut engine, &made.problem, Some(&made.pinned), &Settings::default());
-        assert!((split.objective / interior.objective - 1.0).abs() < 2e-8, "{case:?}");
-        let furthest = split.x.iter().zip(&interior.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let decided = from(&mut engine, &made.problem, Some(&made.pinned), &Settings::default());
+        assert!((decided.objective / interior.objective - 1.0).abs() < 2e-8, "{case:?}");
+        let furthest = decided.x.iter().zip(&interior.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(furthest < 1e-5, "{case:?}, order {order}: {furthest:e}");
         // Every row is active or not: a dual or a slack, never both, and no active row is violated by more than rounding leaves.
-        assert!(split.slack.iter().zip(&split.dual).all(|(s, z)| *s >= 0.0 && *z >= 0.0 && s * z == 0.0));
-        assert!(split.kkt.primal <= 1e-10 && split.kkt.stationarity <= 1e-8, "{:?}", split.kkt);
-        assert!(split.factorizations <= most.min(interior.factorizations), "{case:?}, order {order}: {}", split.factorizations);
-        assert!(split.solves < interior.solves);
+        assert!(decided.slack.iter().zip(&decided.dual).all(|(s, z)| *s >= 0.0 && *z >= 0.0 && s * z == 0.0));
+        assert!(decided.kkt.primal <= 1e-10 && decided.kkt.stationarity <= 1e-8, "{:?}", decided.kkt);
+        let (few, many) = (decided.factorizations, interior.factorizations);
+        assert!(few <= most && few < many, "{side}, {case:?}, order {order}: {few} against {many}");
+        assert!(decided.solves < interior.solves);
     }
 }
 
 #[test]
-fn splitting_is_not_tried_where_violations_are_collective_altogether() {
-    let made = instance(71, 3, Case::NoData, 7);
+fn rows_that_are_decided_too_soon_are_decided_again() {
+    // Without data at order 4 thousands of rows change together, and the interior point has to come near first.
+    let made = instance(71, 4, Case::NoData, 7);
     let alone = Settings { splitting: false, ..Settings::default() };
     let known = from(&mut engine(&made), &made.problem, Some(&made.pinned), &alone);
-    assert!(same_bits(&known, &from(&mut engine(&made), &made.problem, Some(&made.pinned), &Settings::default())));
+    let decided = from(&mut engine(&made), &made.problem, Some(&made.pinned), &Settings::default());
+    assert!((decided.objective / known.objective - 1.0).abs() < 2e-8);
+    assert!(decided.factorizations > decided.iterations, "no decision was taken back");
+    assert!(decided.factorizations <= known.factorizations + 2, "{} against {}", decided.factorizations, known.factorizations);
 }
 
 #[test]
@@ -148,7 +162,7 @@ fn restarts_need_fewer_iterations() {
     let mut engine = engine(&made);
     let first = from(&mut engine, &made.problem, Some(&made.pinned), &Settings::default());
     let rough = first.restart.unwrap();
-    assert!(rough.gap <= 1e-3 && rough.gap > first.kkt.duality_gap);
+    assert!(rough.gap <= 1e-3);
     assert_eq!((rough.x.len(), rough.dual.len()), (first.x.len(), first.dual.len()));
     // The data change by a little noise, as from one time step to the next; one kept value moves.
     let mut problem = made.problem.clone();
@@ -159,7 +173,7 @@ fn restarts_need_fewer_iterations() {
     let warm =
         engine.solve_warm(&problem, (&rough.x, &rough.dual), &Settings::default(), &mut |_| {}).unwrap();
     assert_eq!(warm.status, QpStatus::Solved);
-    assert!(warm.iterations < cold.iterations, "{} against {}", warm.iterations, cold.iterations);
+    assert!(warm.iterations <= 2 && warm.iterations < cold.iterations, "{} against {}", warm.iterations, cold.iterations);
     assert!((warm.objective / cold.objective - 1.0).abs() < 3e-8);
 }
 
