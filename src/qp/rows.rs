@@ -2,10 +2,13 @@
 //!
 //! The rows of nonnegative cones come first, then those of 2 x 2 blocks, then those of 3 x 3 blocks.
 
+use rayon::prelude::*;
+
 use crate::linalg::small::{from_scaled, scaled_length, symmetric_eigen, to_scaled};
 use crate::linalg::{CsrMatrix, FactorError};
 
-use super::blocks::{Blocks, BlocksBuilder};
+use super::blocks::{Blocks, BlocksBuilder, GRAIN};
+use super::conflict::contradiction;
 use super::scaling::Scaling;
 use super::{Certificate, Cone, Engine, Problem, QpError};
 
@@ -114,40 +117,33 @@ impl Rows {
         let unknowns = problem.fixed.len();
         let total = constraints.offset.len();
         let mut triplets = Vec::new();
-        let (mut starts, mut slots, mut products) = (vec![0u32], Vec::new(), Vec::new());
+        let (mut starts, mut pairs, mut products) = (vec![0u32], Vec::new(), Vec::new());
         let mut parts: [Part; 3] = Default::default();
         let blocks = |order: usize| constraints.cones.iter().filter(|cone| cone.order() == order).map(Cone::members).sum();
         let (mut two, mut three) = (BlocksBuilder::new(blocks(2)), BlocksBuilder::new(blocks(3)));
         let mut offset_size: f64 = 0.0;
-        let mut contradiction = None;
+        let mut alone = None;
         let mut found =
             Member { index: 0, first: 0, order: 1, entries: Vec::new(), offset: [0.0; 6], size: [0.0; 6] };
         for (index, (first, order)) in constraints.member_rows().enumerate() {
             (found.index, found.first, found.order) = (index, first, order);
             found.read(problem);
             if found.entries.is_empty() {
-                contradiction = contradiction.or_else(|| found.contradiction(total));
+                alone = alone.or_else(|| found.contradiction(total));
                 continue;
             }
-            let slot = |first: u32, second: u32| {
-                engine.slot(first as usize, second as usize).map_err(|error| match error {
-                    FactorError::OutsidePattern { row, column } => {
-                        QpError::RowOutsidePattern { row: found.first, first: row, second: column }
-                    }
-                    other => other.into(),
-                })
-            };
+            let slot = |first: u32, second: u32| slot_of(engine, found.first, (first, second));
             let here = parts[order - 1].offset.len() as u32;
             match order {
                 1 => {
                     for (position, &(first, _, a)) in found.entries.iter().enumerate() {
                         triplets.push((here, first, a));
                         for &(second, _, b) in &found.entries[position..] {
-                            slots.push(slot(first, second)?);
+                            pairs.push((found.first as u32, first, second));
                             products.push(a * b);
                         }
                     }
-                    starts.push(slots.len() as u32);
+                    starts.push(pairs.len() as u32);
                 }
                 2 => two.push(&found.entries, slot)?,
                 _ => three.push(&found.entries, slot)?,
@@ -169,7 +165,7 @@ impl Rows {
         })?;
         let values = engine.symbolic.entries();
         let start_of_three = order + second.offset.len();
-        Ok(Self {
+        let mut rows = Self {
             order,
             matrix,
             two: two.finish(order, unknowns, values),
@@ -178,11 +174,18 @@ impl Rows {
             offset_size,
             original: [one.original, second.original, third.original].concat(),
             member: [one.member, second.member, third.member].concat(),
-            contradiction,
+            contradiction: None,
             starts,
-            slots,
+            slots: Vec::new(),
             products,
-        })
+        };
+        let slot = |&(row, first, second): &(u32, u32, u32)| slot_of(engine, row as usize, (first, second));
+        let (found, slots) = rayon::join(
+            || alone.or_else(|| contradiction(&rows)),
+            || pairs.par_iter().with_min_len(GRAIN).map(slot).collect::<Result<Vec<u32>, QpError>>(),
+        );
+        (rows.contradiction, rows.slots) = (found, slots?);
+        Ok(rows)
     }
 
     pub fn len(&self) -> usize {
@@ -286,6 +289,14 @@ impl Rows {
         self.three.metric_image_into(&scaling.three, x, &mut work[three.clone()]);
         self.three.add_transposed(1.0, &work[three], y);
     }
+}
+
+/// Where the product of two unknowns of a row lives in the engine's values.
+fn slot_of(engine: &Engine, row: usize, (first, second): (u32, u32)) -> Result<u32, QpError> {
+    engine.slot(first as usize, second as usize).map_err(|error| match error {
+        FactorError::OutsidePattern { row: first, column: second } => QpError::RowOutsidePattern { row, first, second },
+        other => other.into(),
+    })
 }
 
 /// Rows of one kind of cone.

@@ -3,7 +3,6 @@
 use crate::linalg::small::{composed, from_scaled, scaled_length, smallest_eigenvalue, symmetric_eigen, to_scaled};
 
 use super::centred::split;
-use super::conflict::contradiction;
 use super::interior::{Interior, Triple};
 use super::kkt::Measure;
 use super::problem::{finite, length};
@@ -63,9 +62,6 @@ pub(super) fn initial(interior: &mut Interior<'_>, start: Start<'_>) -> Result<(
     let m = interior.rows.len();
     for (slot, fixed) in interior.point.x.iter_mut().zip(&interior.problem.fixed) {
         *slot = fixed.unwrap_or(0.0);
-    }
-    if interior.rows.contradiction.is_none() {
-        interior.rows.contradiction = contradiction(&interior.rows);
     }
     if interior.rows.contradiction.is_some() {
         return Ok(());
